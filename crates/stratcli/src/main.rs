@@ -1,0 +1,2 @@
+//! Batch studies.
+fn main() {}

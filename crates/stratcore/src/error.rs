@@ -1,0 +1,97 @@
+//! What can go wrong in a study, each with its way out.
+
+use crate::sampler::Scramble;
+
+/// A study that could not be set up or finished.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StudyError {
+    /// A sampler has no set of exactly this many points.
+    #[error("{sampler} in {dim} dimensions cannot make N = {n}: {neighbours} (or --n-policy snap)")]
+    CountNotAdmitted {
+        /// Sampler's name.
+        sampler: &'static str,
+        /// Dimensions asked for.
+        dim: usize,
+        /// Points asked for.
+        n: u64,
+        /// Words naming the nearest counts that exist.
+        neighbours: String,
+    },
+    /// More dimensions than the sampler is defined for.
+    #[error("{sampler} is defined up to {max_dim} dimensions, the integrand has {dim}")]
+    TooManyDimensions {
+        /// Sampler's name.
+        sampler: &'static str,
+        /// Dimensions asked for.
+        dim: usize,
+        /// Dimensions it has.
+        max_dim: usize,
+    },
+    /// A scramble that does not exist for this sampler.
+    #[error("{sampler} cannot be scrambled by {scramble}; it takes {choices}")]
+    ScrambleNotSupported {
+        /// Sampler's name.
+        sampler: &'static str,
+        /// The scramble asked for.
+        scramble: Scramble,
+        /// Words naming those that exist.
+        choices: String,
+    },
+    /// Repeating a deterministic point set gives the same estimate each time: it has no variance.
+    #[error(
+        "{sampler} without a scramble is deterministic: its trials are identical and have no \
+         variance; choose a scramble ({choices})"
+    )]
+    Deterministic {
+        /// Sampler's name.
+        sampler: &'static str,
+        /// Words naming the scrambles that exist.
+        choices: String,
+    },
+    /// Fewer than two trials have no variance.
+    #[error("a variance needs at least 2 trials, not {0}")]
+    TooFewTrials(u32),
+    /// No sample counts, or no samplers.
+    #[error("the plan lists no {0}")]
+    EmptyPlan(&'static str),
+    /// A sampler's name that is not on the shelf.
+    #[error("no sampler is called \"{name}\"; there are {known}")]
+    UnknownSampler {
+        /// The name as typed.
+        name: String,
+        /// Names that exist.
+        known: String,
+    },
+    /// A sample or a mean that is not a finite number.
+    #[error(
+        "pixel {},{}: {sampler}, N = {n}, trial {trial} has the mean {mean}, which is not finite; \
+         look for infinite emission or coordinates in the scene",
+        pixel[0], pixel[1]
+    )]
+    NonFinite {
+        /// Pixel under study.
+        pixel: [u32; 2],
+        /// Sampler's name.
+        sampler: &'static str,
+        /// Points in the trial.
+        n: u64,
+        /// Trial's index.
+        trial: u32,
+        /// The mean as computed.
+        mean: f64,
+    },
+    /// Something outside the range that random streams can address.
+    #[error("{what} is {value}, beyond the {limit} that random streams can address")]
+    Unaddressable {
+        /// Which part of the address.
+        what: &'static str,
+        /// Its value.
+        value: u64,
+        /// The largest value allowed.
+        limit: u64,
+    },
+    /// The caller asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+}

@@ -1,0 +1,65 @@
+//! What is sampled: a function on the unit cube whose mean is wanted.
+
+use serde::Serialize;
+
+/// A function f on [0, 1)^d.
+pub trait Integrand: Sync {
+    /// Dimensions d, at least 1: what the function requires and no more.
+    fn dim(&self) -> usize;
+
+    /// Name of each axis, `dim` of them: "pixel_x", "lens_u", "x0".
+    fn axes(&self) -> Vec<String> {
+        (0..self.dim()).map(|i| format!("x{i}")).collect()
+    }
+
+    /// f at one point of `dim` coordinates in [0, 1).
+    fn eval(&self, point: &[f64]) -> f64;
+
+    /// f at many points: `points` is row-major `[values.len(), dim]`.
+    fn eval_block(&self, points: &[f64], values: &mut [f64]) {
+        for (value, point) in values.iter_mut().zip(points.chunks_exact(self.dim())) {
+            *value = self.eval(point);
+        }
+    }
+
+    /// The mean of f, where it is known.
+    fn reference(&self) -> Option<Reference> {
+        None
+    }
+
+    /// What is known of f's smoothness, for [`theory`](crate::theory).
+    fn regularity(&self) -> Regularity {
+        Regularity::Unknown
+    }
+
+    /// The exact variance of the mean of `n` points of this sampler (unscrambled `random`, or
+    /// `jittered` with n = k^d), where a closed form exists.
+    fn exact_variance(&self, _sampler: &str, _n: u64) -> Option<f64> {
+        None
+    }
+}
+
+/// A known mean and how far it may be off.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Reference {
+    /// The mean of f.
+    pub mean: f64,
+    /// Its standard error; 0 for a closed form.
+    pub std_error: f64,
+}
+
+/// The feature of f that decides how fast stratified estimates converge.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Regularity {
+    /// f is constant: every estimate is exact.
+    Constant,
+    /// f is Lipschitz.
+    Smooth,
+    /// f jumps across a set of this dimension k, fractal or not; d - 1 for an edge.
+    Discontinuous {
+        /// k
+        discontinuity_dim: f64,
+    },
+    /// Nothing is known.
+    Unknown,
+}

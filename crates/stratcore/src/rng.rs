@@ -1,0 +1,228 @@
+//! Random numbers that have an address instead of a history.
+//!
+//! A number depends on (seed, pixel, sampler, N, trial, index, dimension) and on nothing else:
+//! not on the order of calls, the thread, or what was drawn before. Two published functions
+//! do it:
+//!
+//! * **Philox4x32-10** (Salmon, Moraes, Dror & Shaw, *Parallel Random Numbers: As Easy as
+//!   1, 2, 3*, SC 2011) turns a [`StreamKey`] into a [`Stream`]. It is a bijection of its
+//!   128-bit counter, so two keys of one seed never share all four words.
+//! * **pcg3d** (Jarzynski & Olano, *Hash Functions for GPU Rendering*, JCGT 9(3), 2020) turns
+//!   (index, stream) into three words: two coordinates of 48 bits. It is a handful of integer
+//!   operations per point, which lets eight or sixteen points be drawn at once.
+
+use crate::error::StudyError;
+
+/// Names one stream of random numbers: same key, same numbers, on any thread.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct StreamKey {
+    /// The study's seed.
+    pub seed: u64,
+    /// Pixel (x, y), each below [`StreamKey::MAX_PIXEL`]; (0, 0) for an integrand without pixels.
+    pub pixel: [u32; 2],
+    /// Which sampler draws: its [`stream_id`](crate::sampler::Sampler::stream_id).
+    pub sampler: u8,
+    /// Points in one estimate, at most [`StreamKey::MAX_SAMPLES`].
+    pub n_samples: u64,
+    /// Which independent repeat.
+    pub trial: u32,
+}
+
+impl StreamKey {
+    /// Pixels per axis that can be addressed: 2^20.
+    pub const MAX_PIXEL: u32 = 1 << 20;
+    /// Points per estimate that can be addressed: 2^44.
+    pub const MAX_SAMPLES: u64 = 1 << 44;
+
+    /// Refuses a key whose parts do not fit their fields: two keys would share a stream.
+    ///
+    /// # Errors
+    /// [`StudyError::Unaddressable`] names the part.
+    pub fn check(&self) -> Result<(), StudyError> {
+        let pixel = self.pixel[0].max(self.pixel[1]);
+        if pixel >= Self::MAX_PIXEL {
+            let (value, limit) = (pixel.into(), (Self::MAX_PIXEL - 1).into());
+            return Err(StudyError::Unaddressable { what: "a pixel coordinate", value, limit });
+        }
+        if self.n_samples >= Self::MAX_SAMPLES {
+            let (value, limit) = (self.n_samples, Self::MAX_SAMPLES - 1);
+            return Err(StudyError::Unaddressable { what: "the sample count N", value, limit });
+        }
+        Ok(())
+    }
+
+    /// The stream of this key.
+    pub fn stream(&self) -> Stream {
+        let words = philox4x32_10(self.counter(), [self.seed as u32, (self.seed >> 32) as u32]);
+        Stream::new(words)
+    }
+
+    /// The 128-bit Philox counter: x (20 bits), y (20), trial (32), N (44), sampler (8), from
+    /// the top. The last 4 bits are zero.
+    pub(crate) fn counter(&self) -> [u32; 4] {
+        debug_assert!(self.check().is_ok());
+        let packed = u128::from(self.pixel[0]) << 108
+            | u128::from(self.pixel[1]) << 88
+            | u128::from(self.trial) << 56
+            | u128::from(self.n_samples) << 12
+            | u128::from(self.sampler) << 4;
+        [packed as u32, (packed >> 32) as u32, (packed >> 64) as u32, (packed >> 96) as u32]
+    }
+}
+
+/// One stream: random access to pairs of uniform coordinates, and two words for scrambling.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Stream {
+    /// The two words that go into every draw, even by construction: pcg3d's first step makes
+    /// them odd, and an odd multiplier keeps the index's low bits alive.
+    pub(crate) words: [u32; 2],
+    /// 64 bits of their own for scrambles and permutations.
+    pub(crate) scramble: u64,
+}
+
+impl Stream {
+    fn new(words: [u32; 4]) -> Self {
+        let scramble = u64::from(words[2]) | u64::from(words[3]) << 32;
+        Self { words: [words[0] & !1, words[1] & !1], scramble }
+    }
+
+    /// Two coordinates in [0, 1), multiples of 2^-48: pair number `index` of the stream.
+    pub fn pair(&self, index: u64) -> [f64; 2] {
+        let [a, b, c] = self.draw(index);
+        let unit = |hi: u32, lo: u32| (u64::from(hi) << 16 | u64::from(lo)) as f64 * 2f64.powi(-48);
+        [unit(a, c & 0xffff), unit(b, c >> 16)]
+    }
+
+    /// Three random words: draw number `index` of the stream.
+    pub fn draw(&self, index: u64) -> [u32; 3] {
+        // An index beyond 32 bits moves to another stream; twice its high part stays even.
+        let high = ((index >> 32) as u32).wrapping_mul(2);
+        pcg3d([index as u32, self.words[0], self.words[1].wrapping_add(high)])
+    }
+
+    /// 64 random bits for a scramble or a permutation, independent of the draws.
+    pub fn scramble_bits(&self) -> u64 {
+        self.scramble
+    }
+}
+
+/// Philox4x32-10: ten rounds, as published.
+pub fn philox4x32_10(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
+    const MULTIPLIER: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
+    const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
+    for _ in 0..10 {
+        let a = u64::from(MULTIPLIER[0]) * u64::from(counter[0]);
+        let b = u64::from(MULTIPLIER[1]) * u64::from(counter[2]);
+        counter = [
+            (b >> 32) as u32 ^ counter[1] ^ key[0],
+            b as u32,
+            (a >> 32) as u32 ^ counter[3] ^ key[1],
+            a as u32,
+        ];
+        key = [key[0].wrapping_add(WEYL[0]), key[1].wrapping_add(WEYL[1])];
+    }
+    counter
+}
+
+/// pcg3d: three words in, three words out, as published.
+#[inline(always)]
+pub fn pcg3d(v: [u32; 3]) -> [u32; 3] {
+    let lcg = |x: u32| x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+    let [mut x, mut y, mut z] = v.map(lcg);
+    x = x.wrapping_add(y.wrapping_mul(z));
+    y = y.wrapping_add(z.wrapping_mul(x));
+    z = z.wrapping_add(x.wrapping_mul(y));
+    x ^= x >> 16;
+    y ^= y >> 16;
+    z ^= z >> 16;
+    x = x.wrapping_add(y.wrapping_mul(z));
+    y = y.wrapping_add(z.wrapping_mul(x));
+    z = z.wrapping_add(x.wrapping_mul(y));
+    [x, y, z]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn philox_matches_the_published_vectors() {
+        // Random123's kat_vectors, "philox4x32 10".
+        assert_eq!(
+            philox4x32_10([0; 4], [0; 2]),
+            [0x6627_e8d5, 0xe169_c58d, 0xbc57_ac4c, 0x9b00_dbd8]
+        );
+        assert_eq!(
+            philox4x32_10([u32::MAX; 4], [u32::MAX; 2]),
+            [0x408f_276d, 0x41c8_3b0e, 0xa20b_c7c6, 0x6d54_51fd]
+        );
+        assert_eq!(
+            philox4x32_10(
+                [0x243f_6a88, 0x85a3_08d3, 0x1319_8a2e, 0x0370_7344],
+                [0xa409_3822, 0x299f_31d0]
+            ),
+            [0xd16c_fe09, 0x94fd_cceb, 0x5001_e420, 0x2412_6ea1]
+        );
+    }
+
+    #[test]
+    fn every_part_of_the_key_changes_the_stream() {
+        let key = StreamKey { seed: 1, pixel: [2, 3], sampler: 4, n_samples: 5, trial: 6 };
+        let others = [
+            StreamKey { seed: 2, ..key },
+            StreamKey { seed: 1 | 1 << 40, ..key },
+            StreamKey { pixel: [3, 3], ..key },
+            StreamKey { pixel: [2, 2], ..key },
+            StreamKey { sampler: 5, ..key },
+            StreamKey { n_samples: 6, ..key },
+            StreamKey { trial: 7, ..key },
+        ];
+        for other in others {
+            assert_ne!(key.stream(), other.stream(), "{other:?}");
+        }
+    }
+
+    #[test]
+    fn keys_out_of_range_are_refused() {
+        let key = StreamKey { seed: 0, pixel: [0, 0], sampler: 0, n_samples: 1, trial: 0 };
+        assert!(StreamKey { pixel: [1 << 20, 0], ..key }.check().is_err());
+        assert!(StreamKey { n_samples: 1 << 44, ..key }.check().is_err());
+    }
+
+    #[test]
+    fn a_pair_is_a_pure_function_of_its_index() {
+        let stream =
+            StreamKey { seed: 9, pixel: [1, 1], sampler: 0, n_samples: 4, trial: 0 }.stream();
+        let forward: Vec<_> = (0..100).map(|i| stream.pair(i)).collect();
+        for i in (0..100).rev() {
+            assert_eq!(stream.pair(i), forward[i as usize]);
+        }
+        assert_ne!(stream.pair(7), stream.pair(7 + (1 << 32)));
+    }
+
+    /// Pearson's chi-square over 16 x 16 cells of a million pairs in one stream, and over the
+    /// first pair of a million streams. 255 degrees of freedom: mean 255, standard deviation
+    /// 22.6; the bounds are 5.5 standard deviations away, one false alarm in 10^7.
+    #[test]
+    fn pairs_are_uniform_within_and_across_streams() {
+        let chi_square = |pairs: &mut dyn Iterator<Item = [f64; 2]>| {
+            let mut cells = vec![0f64; 256];
+            let mut n = 0.0;
+            for [u, v] in pairs {
+                cells[(u * 16.0) as usize * 16 + (v * 16.0) as usize] += 1.0;
+                n += 1.0;
+            }
+            cells.iter().map(|c| (c - n / 256.0).powi(2) / (n / 256.0)).sum::<f64>()
+        };
+        let key = StreamKey { seed: 1996, pixel: [0, 0], sampler: 0, n_samples: 1, trial: 0 };
+        let stream = key.stream();
+        let within = chi_square(&mut (0..1_000_000).map(|i| stream.pair(i)));
+        let across =
+            chi_square(&mut (0..1_000_000).map(|t| {
+                StreamKey { trial: t % 1000, pixel: [t / 1000, 7], ..key }.stream().pair(0)
+            }));
+        for value in [within, across] {
+            assert!((130.0..380.0).contains(&value), "{value}");
+        }
+    }
+}

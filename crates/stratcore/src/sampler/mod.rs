@@ -1,0 +1,193 @@
+//! Samplers: where the N points of one estimate lie in the unit cube.
+//!
+//! A sampler makes *point sets*. A [`PointSet`] names one: its size, dimension, scramble and
+//! the key of its randomness; [`Sampler::points`] makes it ready, and [`Points::fill`] writes
+//! any run of its points. Adding a sampler is one file and one line in [`SHELF`].
+
+mod jittered;
+mod random;
+
+pub use jittered::{Jittered, strata_per_axis};
+pub use random::Random;
+
+use crate::error::StudyError;
+use crate::rng::StreamKey;
+
+/// Every sampler there is, in the order in which they are listed.
+pub const SHELF: &[&dyn Sampler] = &[&Random, &Jittered];
+
+/// The sampler of this name.
+///
+/// # Errors
+/// [`StudyError::UnknownSampler`] lists the names that exist.
+pub fn by_name(name: &str) -> Result<&'static dyn Sampler, StudyError> {
+    SHELF.iter().copied().find(|s| s.name() == name).ok_or_else(|| {
+        let known = SHELF.iter().map(|s| s.name()).collect::<Vec<_>>().join(", ");
+        StudyError::UnknownSampler { name: name.to_owned(), known }
+    })
+}
+
+/// How a point set is made random when its construction is not, or made random once more.
+/// Always named beside the sampler, never implied.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Scramble {
+    /// The points as constructed.
+    None,
+}
+
+impl std::fmt::Display for Scramble {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::None => "none",
+        })
+    }
+}
+
+/// Whether a prefix of the points may serve as a smaller set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Made for one N; a prefix has no promised property.
+    Set,
+    /// Any prefix is usable.
+    Sequence,
+}
+
+/// What to do with an N that a sampler cannot make.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CountPolicy {
+    /// An error that names the neighbours.
+    #[default]
+    Error,
+    /// The nearest N that exists; the row records it as `n_used`.
+    Snap,
+    /// Unequal strata per axis where the sampler has them: N is the product of the kᵢ.
+    Rect,
+}
+
+/// Names one point set.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PointSet {
+    /// The randomness; `key.n_samples` is the number of points.
+    pub key: StreamKey,
+    /// Dimensions, at least 1.
+    pub dim: usize,
+    /// How the set is scrambled.
+    pub scramble: Scramble,
+    /// Whether unequal numbers of strata per axis are allowed ([`CountPolicy::Rect`]).
+    pub rectangular: bool,
+}
+
+/// A rule that places N points in [0, 1)^d.
+pub trait Sampler: Send + Sync {
+    /// As typed on the command line and printed in reports.
+    fn name(&self) -> &'static str;
+    /// One line of help.
+    fn summary(&self) -> &'static str;
+    /// Where it was published.
+    fn source(&self) -> &'static str;
+    /// Number of its random streams; unique on the shelf and never reused.
+    fn stream_id(&self) -> u8;
+    /// Set or sequence.
+    fn kind(&self) -> Kind;
+    /// Largest dimension it is defined for.
+    fn max_dim(&self) -> usize;
+    /// Scrambles it takes; the first is its default.
+    fn scrambles(&self) -> &'static [Scramble];
+    /// Whether repeats differ under this scramble. A deterministic set has no variance.
+    fn is_randomised(&self, scramble: Scramble) -> bool;
+    /// Whether exactly `n` points exist in `dim` dimensions.
+    fn admits(&self, n: u64, dim: usize, rectangular: bool) -> bool;
+    /// The nearest admissible counts below and above an `n` that is not admissible.
+    fn neighbours(&self, n: u64, dim: usize) -> (Option<u64>, Option<u64>);
+    /// Makes the set ready. `set` has passed [`check`] and its N is admissible.
+    fn points(&self, set: &PointSet) -> Box<dyn Points>;
+}
+
+/// A point set that is ready to be read from any index on.
+pub trait Points {
+    /// Overwrites `points`, row-major `[len, dim]`, with points `first .. first + len` of the
+    /// set; every coordinate is in [0, 1).
+    fn fill(&self, first: u64, points: &mut [f64]);
+}
+
+/// The count a sampler uses when asked for `n` points under a policy.
+///
+/// # Errors
+/// [`StudyError::CountNotAdmitted`] names the neighbours; [`StudyError::TooManyDimensions`].
+pub fn count_used(
+    sampler: &dyn Sampler,
+    n: u64,
+    dim: usize,
+    policy: CountPolicy,
+) -> Result<u64, StudyError> {
+    if dim > sampler.max_dim() {
+        let max_dim = sampler.max_dim();
+        return Err(StudyError::TooManyDimensions { sampler: sampler.name(), dim, max_dim });
+    }
+    if sampler.admits(n, dim, policy == CountPolicy::Rect) {
+        return Ok(n);
+    }
+    let (below, above) = sampler.neighbours(n, dim);
+    if policy == CountPolicy::Snap {
+        let nearest = match (below, above) {
+            (Some(b), Some(a)) => Some(if n.abs_diff(b) <= n.abs_diff(a) { b } else { a }),
+            (one, other) => one.or(other),
+        };
+        if let Some(nearest) = nearest {
+            return Ok(nearest);
+        }
+    }
+    let neighbours = match (below, above) {
+        (Some(b), Some(a)) => format!("its neighbours are {b} and {a}"),
+        (Some(one), None) | (None, Some(one)) => format!("the nearest is {one}"),
+        (None, None) => "it has no set in this dimension".to_owned(),
+    };
+    Err(StudyError::CountNotAdmitted { sampler: sampler.name(), dim, n, neighbours })
+}
+
+/// Refuses a scramble that the sampler does not take, and a set whose repeats are identical.
+///
+/// # Errors
+/// [`StudyError::ScrambleNotSupported`], [`StudyError::Deterministic`].
+pub fn check(sampler: &dyn Sampler, scramble: Scramble) -> Result<(), StudyError> {
+    let choices = || {
+        let names: Vec<_> = sampler.scrambles().iter().map(ToString::to_string).collect();
+        names.join(", ")
+    };
+    let name = sampler.name();
+    if !sampler.scrambles().contains(&scramble) {
+        return Err(StudyError::ScrambleNotSupported {
+            sampler: name,
+            scramble,
+            choices: choices(),
+        });
+    }
+    if !sampler.is_randomised(scramble) {
+        return Err(StudyError::Deterministic { sampler: name, choices: choices() });
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn names_and_streams_are_unique() {
+        let names: HashSet<_> = SHELF.iter().map(|s| s.name()).collect();
+        let streams: HashSet<_> = SHELF.iter().map(|s| s.stream_id()).collect();
+        assert_eq!(names.len(), SHELF.len());
+        assert_eq!(streams.len(), SHELF.len());
+    }
+
+    #[test]
+    fn an_impossible_count_names_its_neighbours() {
+        let error = count_used(&Jittered, 5, 2, CountPolicy::Error).unwrap_err();
+        assert!(error.to_string().contains("its neighbours are 4 and 9"), "{error}");
+        assert_eq!(count_used(&Jittered, 5, 2, CountPolicy::Snap), Ok(4));
+        assert_eq!(count_used(&Jittered, 5, 2, CountPolicy::Rect), Ok(5));
+    }
+}

@@ -1,0 +1,116 @@
+//! What is looked at: triangles, Lambertian materials, one light, a camera.
+
+mod camera;
+
+pub use camera::{Camera, PixelFrame};
+
+use glam::DVec3;
+
+/// Linear RGB.
+pub type Rgb = [f64; 3];
+
+/// A scene, ready to be traced. Coordinates are f64 and those of the files.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// Name for reports: the file's stem, or the built-in's name.
+    pub name: String,
+    /// The camera.
+    pub camera: Camera,
+    /// All triangles.
+    pub mesh: Mesh,
+    /// Materials, indexed by [`Mesh::materials`].
+    pub materials: Vec<Material>,
+    /// What lights the surfaces.
+    pub light: Light,
+    /// Radiance of light that comes from everywhere and casts no shadow, times Kd.
+    pub ambient: Rgb,
+    /// Radiance where nothing is hit.
+    pub background: Rgb,
+}
+
+/// Indexed triangles, each with a material.
+#[derive(Debug, Clone, Default)]
+pub struct Mesh {
+    /// Vertex positions.
+    pub positions: Vec<DVec3>,
+    /// Three indices into `positions` per triangle.
+    pub triangles: Vec<[u32; 3]>,
+    /// Index into [`Scene::materials`] per triangle.
+    pub materials: Vec<u32>,
+    /// Shading normals at the corners of each triangle, unit length; present only when the scene
+    /// asks for smooth shading and the files have normals. Otherwise the geometric normal counts.
+    pub corner_normals: Option<Vec<[DVec3; 3]>>,
+}
+
+impl Mesh {
+    /// The corners of triangle `id`.
+    pub fn corners(&self, id: usize) -> [DVec3; 3] {
+        self.triangles[id].map(|i| self.positions[i as usize])
+    }
+}
+
+/// A Lambertian surface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Material {
+    /// Name in the MTL file.
+    pub name: String,
+    /// Diffuse reflectance.
+    pub kd: Rgb,
+    /// Emitted radiance.
+    pub ke: Rgb,
+}
+
+/// What lights the surfaces. Both sides of a triangle reflect; the side that the eye sees is
+/// lit only from its own half-space. A surface's radiance is Ke + Kd·(ambient + E), with E:
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Light {
+    /// A light at the eye that neither falls off nor casts shadows: E = |n·v|, v from the hit
+    /// to the eye.
+    Headlight,
+    /// E = intensity · cos θ / r², with a shadow ray.
+    Point {
+        /// Where it is.
+        position: DVec3,
+        /// E on a surface that faces it at distance 1.
+        intensity: Rgb,
+    },
+    /// E = irradiance · cos θ, with a shadow ray.
+    Directional {
+        /// Unit vector from the surface towards the light.
+        towards: DVec3,
+        /// E on a surface that faces it.
+        irradiance: Rgb,
+    },
+}
+
+/// What number a study is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Channel {
+    /// Rec. 709 luminance of linear RGB.
+    #[default]
+    Luminance,
+    /// Red.
+    R,
+    /// Green.
+    G,
+    /// Blue.
+    B,
+}
+
+impl Channel {
+    /// Weights of R, G and B.
+    pub fn weights(self) -> Rgb {
+        match self {
+            Self::Luminance => [0.2126, 0.7152, 0.0722],
+            Self::R => [1.0, 0.0, 0.0],
+            Self::G => [0.0, 1.0, 0.0],
+            Self::B => [0.0, 0.0, 1.0],
+        }
+    }
+
+    /// The channel's value of a colour.
+    pub fn of(self, rgb: Rgb) -> f64 {
+        let w = self.weights();
+        w[0] * rgb[0] + w[1] * rgb[1] + w[2] * rgb[2]
+    }
+}

@@ -1,0 +1,212 @@
+//! The experiment: pixels × samplers × N × M. The only module that owns threads.
+
+mod plan;
+mod result;
+
+pub use plan::{SamplerChoice, StudyPlan};
+pub use result::{Row, SamplerResult, StudyResult};
+
+use crate::error::StudyError;
+use crate::integrand::{Integrand, Regularity};
+use crate::rng::StreamKey;
+use crate::sampler::{CountPolicy, PointSet};
+use crate::theory::{Class, predicted_exponent};
+use crate::trial::trial_means;
+use crate::variance::spread;
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+/// How a caller watches and stops a study.
+#[derive(Clone, Copy)]
+pub struct Control<'a> {
+    /// Set to stop at the next trial.
+    pub cancel: &'a AtomicBool,
+    /// Told how many more samples were evaluated; called from any thread.
+    pub progress: &'a (dyn Fn(u64) + Sync),
+    /// Machine time, to fill `ns_per_sample`. Rows are then measured one at a time, on one
+    /// thread.
+    pub clock: Option<&'a (dyn Fn() -> Duration + Sync)>,
+}
+
+impl Control<'static> {
+    /// Never cancels, reports to nobody, has no clock.
+    pub fn unwatched() -> Self {
+        static NEVER: AtomicBool = AtomicBool::new(false);
+        Self { cancel: &NEVER, progress: &|_| {}, clock: None }
+    }
+}
+
+/// Runs `work` with this many threads; `None` for one per core. Results never depend on it.
+pub fn with_threads<R: Send>(threads: Option<usize>, work: impl FnOnce() -> R + Send) -> R {
+    let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
+    match builder.build() {
+        Ok(pool) => pool.install(work),
+        // The system refused new threads: one is enough for the same result.
+        Err(_) => work(),
+    }
+}
+
+/// Studies one integrand. `pixel` addresses its randomness.
+///
+/// When cancelled it returns the samplers that were finished, or [`StudyError::Cancelled`] if
+/// there is none.
+///
+/// # Errors
+/// What [`StudyPlan::counts_used`] refuses; [`StudyError::NonFinite`]; `Cancelled`.
+pub fn study(
+    integrand: &dyn Integrand,
+    pixel: [u32; 2],
+    plan: &StudyPlan,
+    control: Control<'_>,
+) -> Result<StudyResult, StudyError> {
+    let counts_used = plan.counts_used(integrand.dim())?;
+    let mut samplers = Vec::with_capacity(plan.samplers.len());
+    for (choice, used) in plan.samplers.iter().zip(&counts_used) {
+        match study_sampler(integrand, pixel, plan, *choice, used, control) {
+            Ok(result) => samplers.push(result),
+            Err(StudyError::Cancelled) if !samplers.is_empty() => break,
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(StudyResult {
+        pixel,
+        dim: integrand.dim(),
+        axes: integrand.axes(),
+        seed: plan.seed,
+        trials: plan.n_trials,
+        reference: integrand.reference(),
+        complete: samplers.len() == plan.samplers.len(),
+        samplers,
+    })
+}
+
+/// Studies many pixels, handing each result to `each` in the order of `pixels`. When cancelled
+/// it returns `Cancelled` after the results that were finished.
+///
+/// # Errors
+/// As [`study`]; what `integrand_of` refuses.
+pub fn study_pixels<I: Integrand>(
+    integrand_of: &(dyn Fn([u32; 2]) -> I + Sync),
+    pixels: impl IntoIterator<Item = [u32; 2]>,
+    plan: &StudyPlan,
+    control: Control<'_>,
+    each: &mut dyn FnMut(StudyResult),
+) -> Result<(), StudyError> {
+    /// Pixels in flight: enough to keep every core busy, few enough to hold in memory.
+    const BATCH: usize = 1024;
+    let mut pixels = pixels.into_iter();
+    loop {
+        let batch: Vec<_> = pixels.by_ref().take(BATCH).collect();
+        if batch.is_empty() {
+            return Ok(());
+        }
+        let results: Vec<_> = batch
+            .par_iter()
+            .map(|&pixel| study(&integrand_of(pixel), pixel, plan, control))
+            .collect();
+        for result in results {
+            let result = result?;
+            if !result.complete {
+                return Err(StudyError::Cancelled);
+            }
+            each(result);
+        }
+    }
+}
+
+fn study_sampler(
+    integrand: &dyn Integrand,
+    pixel: [u32; 2],
+    plan: &StudyPlan,
+    choice: SamplerChoice,
+    counts_used: &[u64],
+    control: Control<'_>,
+) -> Result<SamplerResult, StudyError> {
+    let set = |n_samples| {
+        let sampler = choice.sampler.stream_id();
+        PointSet {
+            key: StreamKey { seed: plan.seed, pixel, sampler, n_samples, trial: 0 },
+            dim: integrand.dim(),
+            scramble: choice.scramble,
+            rectangular: plan.count_policy == CountPolicy::Rect,
+        }
+    };
+    let mut rows = Vec::with_capacity(counts_used.len());
+    for (&n, &n_used) in plan.counts.iter().zip(counts_used) {
+        let set = set(n_used);
+        set.key.check()?;
+        let (means, ns_per_sample) = row_means(integrand, choice, &set, plan.n_trials, control)?;
+        if let Some((trial, &mean)) = (0..).zip(&means).find(|(_, mean)| !mean.is_finite()) {
+            let sampler = choice.sampler.name();
+            return Err(StudyError::NonFinite { pixel, sampler, n: n_used, trial, mean });
+        }
+        rows.push(Row::new(n, n_used, spread(&means), ns_per_sample));
+    }
+    Ok(summarise(integrand, choice, rows))
+}
+
+/// The M trial means of one row, in trial order.
+fn row_means(
+    integrand: &dyn Integrand,
+    choice: SamplerChoice,
+    set: &PointSet,
+    n_trials: u32,
+    control: Control<'_>,
+) -> Result<(Vec<f64>, Option<f64>), StudyError> {
+    /// Samples per task: some tens of microseconds of work at the least.
+    const TASK: u64 = 1 << 14;
+    let n = set.key.n_samples;
+    let mut means = vec![0.0; n_trials as usize];
+    let trials_per_task =
+        if control.clock.is_some() { means.len() } else { (TASK / n).max(1) as usize };
+    let start = control.clock.map(|clock| clock());
+    means.par_chunks_mut(trials_per_task).enumerate().for_each(|(task, chunk)| {
+        if !control.cancel.load(Ordering::Relaxed) {
+            let first_trial = (task * trials_per_task) as u32;
+            trial_means(integrand, choice.sampler, set, first_trial, chunk);
+            (control.progress)(chunk.len() as u64 * n);
+        }
+    });
+    if control.cancel.load(Ordering::Relaxed) {
+        return Err(StudyError::Cancelled);
+    }
+    let ns_per_sample = control.clock.zip(start).map(|(clock, start)| {
+        (clock() - start).as_nanos() as f64 / (f64::from(n_trials) * n as f64)
+    });
+    Ok((means, ns_per_sample))
+}
+
+fn summarise(integrand: &dyn Integrand, choice: SamplerChoice, rows: Vec<Row>) -> SamplerResult {
+    let name = choice.sampler.name();
+    let dim = integrand.dim();
+    let fit = result::fit_rows(&rows, 0);
+    let exact = rows.iter().all(|row| row.variance_of_mean == 0.0);
+    let reads_class = name == "jittered";
+    let class = match (&fit, exact) {
+        (_, true) => Some(Class::Exact),
+        (Some(fit), _) if reads_class => Some(Class::of_exponent(fit.exponent, dim)),
+        _ => None,
+    };
+    let class_is_sure = exact
+        || reads_class
+            && fit.is_some_and(|fit| {
+                Class::of_exponent(fit.ci95[0], dim) == Class::of_exponent(fit.ci95[1], dim)
+            });
+    let predicted = match integrand.regularity() {
+        Regularity::Unknown if name == "random" && !exact => Some(1.0),
+        Regularity::Unknown => class.and_then(|class| class.predicted_exponent(dim)),
+        known => predicted_exponent(name, dim, known),
+    };
+    SamplerResult {
+        name,
+        scramble: choice.scramble,
+        fit,
+        fit_without_first: result::fit_rows(&rows, 1),
+        exact,
+        class,
+        class_is_sure,
+        predicted,
+        rows,
+    }
+}

@@ -1,0 +1,80 @@
+//! What is to be measured.
+
+use crate::error::StudyError;
+use crate::sampler::{self, CountPolicy, Sampler, Scramble};
+
+/// A study in words: samplers × sample counts × trials.
+#[derive(Clone)]
+pub struct StudyPlan {
+    /// The samplers compared, each with its scramble.
+    pub samplers: Vec<SamplerChoice>,
+    /// Sample counts N as asked for.
+    pub counts: Vec<u64>,
+    /// What to do where a sampler has no set of N points.
+    pub count_policy: CountPolicy,
+    /// Independent repeats M, at least 2.
+    pub n_trials: u32,
+    /// Seed of all randomness.
+    pub seed: u64,
+}
+
+/// A sampler with its scramble.
+#[derive(Clone, Copy)]
+pub struct SamplerChoice {
+    /// The sampler.
+    pub sampler: &'static dyn Sampler,
+    /// Its scramble.
+    pub scramble: Scramble,
+}
+
+impl SamplerChoice {
+    /// A sampler by name, with its default scramble.
+    ///
+    /// # Errors
+    /// [`StudyError::UnknownSampler`].
+    pub fn named(name: &str) -> Result<Self, StudyError> {
+        let sampler = sampler::by_name(name)?;
+        Ok(Self { sampler, scramble: sampler.scrambles()[0] })
+    }
+}
+
+impl StudyPlan {
+    /// The paper's protocol: random and jittered, N = 1, 4, 9, …, 256, M = 50, seed 1996.
+    pub fn paper() -> Self {
+        Self {
+            samplers: sampler::SHELF[..2]
+                .iter()
+                .map(|s| SamplerChoice { sampler: *s, scramble: s.scrambles()[0] })
+                .collect(),
+            counts: (1..=16).map(|k| k * k).collect(),
+            count_policy: CountPolicy::Error,
+            n_trials: 50,
+            seed: 1996,
+        }
+    }
+
+    /// The counts that each sampler uses for `counts` in `dim` dimensions, after every check
+    /// that can be made before the first sample.
+    ///
+    /// # Errors
+    /// Any [`StudyError`] but `NonFinite` and `Cancelled`.
+    pub fn counts_used(&self, dim: usize) -> Result<Vec<Vec<u64>>, StudyError> {
+        if self.samplers.is_empty() {
+            return Err(StudyError::EmptyPlan("samplers"));
+        }
+        if self.counts.is_empty() {
+            return Err(StudyError::EmptyPlan("sample counts"));
+        }
+        if self.n_trials < 2 {
+            return Err(StudyError::TooFewTrials(self.n_trials));
+        }
+        self.samplers
+            .iter()
+            .map(|choice| {
+                sampler::check(choice.sampler, choice.scramble)?;
+                let used = |&n| sampler::count_used(choice.sampler, n, dim, self.count_policy);
+                self.counts.iter().map(used).collect()
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,98 @@
+//! What was measured.
+
+use crate::fit::{Fit, fit};
+use crate::integrand::Reference;
+use crate::sampler::Scramble;
+use crate::theory::Class;
+use crate::variance::Spread;
+use serde::Serialize;
+
+/// The convergence of one pixel, or of one integrand, under each sampler of a plan.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct StudyResult {
+    /// Pixel (x, y); (0, 0) is the top-left. `[0, 0]` for an integrand without pixels.
+    pub pixel: [u32; 2],
+    /// Dimensions d.
+    pub dim: usize,
+    /// Names of the d axes.
+    pub axes: Vec<String>,
+    /// Seed of all randomness.
+    pub seed: u64,
+    /// Independent repeats M.
+    pub trials: u32,
+    /// The integral, where it is known.
+    pub reference: Option<Reference>,
+    /// In the plan's order; those that were finished when the study was cancelled.
+    pub samplers: Vec<SamplerResult>,
+    /// Whether every sampler of the plan is there.
+    pub complete: bool,
+}
+
+/// The convergence under one sampler.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct SamplerResult {
+    /// Sampler's name.
+    pub name: &'static str,
+    /// How its sets were scrambled.
+    pub scramble: Scramble,
+    /// One row per sample count of the plan.
+    pub rows: Vec<Row>,
+    /// The paper's fit through the rows that have a variance; none when fewer than two have.
+    pub fit: Option<Fit>,
+    /// The same without the row of smallest N.
+    pub fit_without_first: Option<Fit>,
+    /// Every variance is zero: each estimate was the same number.
+    pub exact: bool,
+    /// Kind of pixel, read from the exponent under `jittered`; none for other samplers.
+    pub class: Option<Class>,
+    /// Whether the exponent's 95 % interval lies within its class.
+    pub class_is_sure: bool,
+    /// The exponent that theory predicts: from the integrand's known regularity, otherwise
+    /// from the class.
+    pub predicted: Option<f64>,
+}
+
+/// The spread of M trial means at one N.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Row {
+    /// N as asked for.
+    pub n: u64,
+    /// N as used.
+    pub n_used: u64,
+    /// Mean of the trial means.
+    pub grand_mean: f64,
+    /// Mitchell's σ², divisor M - 1.
+    pub variance_of_mean: f64,
+    /// Lower end of the variance's 95 % interval.
+    pub lo: f64,
+    /// Upper end.
+    pub hi: f64,
+    /// Variance of ln s².
+    pub var_ln: f64,
+    /// Machine time per sample, generation and evaluation, where the caller lent a clock.
+    pub ns_per_sample: Option<f64>,
+}
+
+impl Row {
+    pub(super) fn new(n: u64, n_used: u64, spread: Spread, ns_per_sample: Option<f64>) -> Self {
+        let Spread { grand_mean, variance_of_mean, ci95: [lo, hi], var_ln } = spread;
+        Self { n, n_used, grand_mean, variance_of_mean, lo, hi, var_ln, ns_per_sample }
+    }
+
+    /// The row's spread, as a fit wants it.
+    pub fn spread(&self) -> Spread {
+        Spread {
+            grand_mean: self.grand_mean,
+            variance_of_mean: self.variance_of_mean,
+            ci95: [self.lo, self.hi],
+            var_ln: self.var_ln,
+        }
+    }
+}
+
+/// The paper's fit through rows with a variance, leaving out the `skip` smallest N.
+pub(super) fn fit_rows(rows: &[Row], skip: usize) -> Option<Fit> {
+    let mut spreads: Vec<_> = rows.iter().map(|row| (row.n_used, row.spread())).collect();
+    spreads.sort_by_key(|(n, _)| *n);
+    fit(spreads.iter().skip(skip).map(|(n, spread)| (*n, spread)))
+}

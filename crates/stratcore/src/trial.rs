@@ -1,0 +1,35 @@
+//! One trial: N points in, the mean of f at them out.
+
+use crate::integrand::Integrand;
+use crate::rng::StreamKey;
+use crate::sampler::{PointSet, Sampler};
+use crate::variance::neumaier_sum;
+
+/// Points evaluated at a time: small enough for the first-level cache in any practical d.
+const BLOCK: usize = 512;
+
+/// Overwrites `means` with the estimates of trials `first_trial ..`: each the mean of f over
+/// its own fresh point set. `set.key.trial` is ignored.
+pub fn trial_means(
+    integrand: &dyn Integrand,
+    sampler: &dyn Sampler,
+    set: &PointSet,
+    first_trial: u32,
+    means: &mut [f64],
+) {
+    let n = set.key.n_samples;
+    let block = BLOCK.min(usize::try_from(n).unwrap_or(BLOCK));
+    let mut points = vec![0.0; block * set.dim];
+    let mut values = vec![0.0; block];
+    for (trial, mean) in (first_trial..).zip(means) {
+        let key = StreamKey { trial, ..set.key };
+        let source = sampler.points(&PointSet { key, ..*set });
+        let sum = neumaier_sum((0..n).step_by(block).map(|first| {
+            let len = block.min((n - first) as usize);
+            source.fill(first, &mut points[..len * set.dim]);
+            integrand.eval_block(&points[..len * set.dim], &mut values[..len]);
+            neumaier_sum(values[..len].iter().copied())
+        }));
+        *mean = sum / n as f64;
+    }
+}
