@@ -21,6 +21,7 @@ pub mod scene;
 pub mod simd;
 pub mod study;
 pub mod theory;
+pub mod trace;
 pub mod trial;
 pub mod variance;
 
