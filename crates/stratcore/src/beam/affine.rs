@@ -25,10 +25,6 @@ impl Affine {
         Self { c: self.c * factor, s: self.s * factor, t: self.t * factor }
     }
 
-    pub fn plus(self, other: Self) -> Self {
-        Self { c: self.c + other.c, s: self.s + other.s, t: self.t + other.t }
-    }
-
     /// Largest absolute coefficient.
     pub fn magnitude(&self) -> f64 {
         self.c.abs().max(self.s.abs()).max(self.t.abs())
@@ -82,10 +78,6 @@ pub(crate) struct Quadratic {
 }
 
 impl Quadratic {
-    pub fn constant(c: f64) -> Self {
-        Self { c, ..Self::default() }
-    }
-
     pub fn at(&self, s: f64, t: f64) -> f64 {
         self.c + s * (self.s + s * self.ss + t * self.st) + t * (self.t + t * self.tt)
     }

@@ -78,35 +78,33 @@ impl Shade {
         inverse_root: &Quadratic,
         out: &mut Facet32,
     ) {
-        let base = (self.unlit - ground) as f32;
-        out.shade[0] = base;
-        match (shading, &self.lit) {
-            (_, Lit::Constant(value)) => {
-                out.flat_lit = *value as f32;
+        out.shade[0] = (self.unlit - ground) as f32;
+        match &self.lit {
+            Lit::Constant(value) => {
                 out.is_flat = true;
+                // Takes any w to 0 under a point light: the facet is turned away from it.
+                out.to_light[0] = 1.0;
                 match shading {
                     Shading::Polynomial | Shading::WideHeadlight => {
                         out.shade[0] = (self.unlit + value - ground) as f32;
-                        out.flat_lit = 0.0;
                     }
-                    Shading::Directional => out.shade[1] = *value as f32,
-                    Shading::Point => out.to_light[0] = 1.0,
+                    Shading::Directional | Shading::Point => out.shade_gain[0] = *value as f32,
                 }
             }
-            (Shading::WideHeadlight, Lit::Headlight { cosine }) => {
-                out.shade[1..4].copy_from_slice(&[cosine.c, cosine.s, cosine.t].map(|x| x as f32));
+            Lit::Headlight { cosine } if shading == Shading::WideHeadlight => {
+                out.shade_gain = [cosine.c, cosine.s, cosine.t].map(|x| x as f32);
             }
-            (_, Lit::Headlight { cosine }) => {
+            Lit::Headlight { cosine } => {
                 let mut radiance = inverse_root.times(cosine);
                 radiance.c += self.unlit - ground;
                 out.shade = coefficients(&radiance);
                 out.is_flat = radiance.is_constant();
             }
-            (_, Lit::Point { factor, square }) => {
-                // Scaled so that neither the cube nor the square leaves f32's range.
+            Lit::Point { factor, square } => {
+                // In units of its middle value, so that the root and the cube stay in range.
                 let unit = square.c.sqrt();
                 out.to_light = coefficients(&square.scaled(unit.powi(-2)));
-                out.shade[1] = (factor * unit.powi(-3)) as f32;
+                out.shade_gain[0] = (factor * unit.powi(-3)) as f32;
             }
         }
     }

@@ -1,36 +1,28 @@
-//! The loops over samples, written once on arrays of `L` lanes.
+//! The loops over samples, written once for any vector.
 //!
 //! A lane is a trial: the same stratum of neighbouring trials meets the same few facets, so one
 //! short list serves all lanes. [`super`] compiles these functions for each instruction set;
-//! they must stay `inline(always)` to be compiled with it. Every operation is a plain IEEE one
-//! or a fused multiply-add, in the same order for every L and instruction set: all paths give
-//! the same bits.
+//! they must stay `inline(always)` to be compiled with it. Operations come in the same order for
+//! every vector, so all paths give the same bits.
 
 use super::types::Exact;
-use super::{Entry, Facet32, Ground, Pixel32, Rect, Strata, TrialStreams, Work};
+use super::vector::{MAX_LANES, Vector};
+use super::{Entry, Facet32, Ground, Lanes4, Pixel32, Rect, Strata, Work};
+use crate::rng::Stream;
 
 /// A sample's inside test or depth comparison closer than this, in f32 units of functions whose
 /// largest coefficient is 1, is settled again in f64. Rounding of three coefficients and two
 /// fused steps is below 2.4e-7.
 pub(super) const DOUBT: f32 = 4e-7;
-/// Slack of every decision about a whole rectangle.
-const CULL_SLACK: f32 = 1e-6;
 /// Samples added in f32 before the sum moves to f64: few enough to lose nothing.
 const RUN: u32 = 16;
 
 /// How a facet's radiance depends on the sample; chosen once per pixel.
 pub(super) trait Shader {
-    /// Radiance at L samples with inverse depth `w`, relative to the pixel's ground value.
-    fn shade<const L: usize>(
-        ground: &Ground,
-        facet: &Facet32,
-        s: &[f32; L],
-        t: &[f32; L],
-        w: &[f32; L],
-        lit: &[bool; L],
-    ) -> [f32; L];
     /// Whether shadows exist under this shader.
     const SHADOWS: bool;
+    /// Radiance at samples (s, t) with inverse depth `w`, relative to the pixel's ground value.
+    fn shade<V: Vector>(ground: &Ground, facet: &Facet32, s: V, t: V, w: V, lit: V::Mask) -> V;
 }
 
 /// A polynomial of second order: exact to rounding for a narrow pixel under a headlight, for
@@ -40,14 +32,7 @@ pub(super) struct Polynomial;
 impl Shader for Polynomial {
     const SHADOWS: bool = false;
     #[inline(always)]
-    fn shade<const L: usize>(
-        _: &Ground,
-        facet: &Facet32,
-        s: &[f32; L],
-        t: &[f32; L],
-        _: &[f32; L],
-        _: &[bool; L],
-    ) -> [f32; L] {
+    fn shade<V: Vector>(_: &Ground, facet: &Facet32, s: V, t: V, _: V, _: V::Mask) -> V {
         quadratic(&facet.shade, s, t)
     }
 }
@@ -58,22 +43,11 @@ pub(super) struct WideHeadlight;
 impl Shader for WideHeadlight {
     const SHADOWS: bool = false;
     #[inline(always)]
-    fn shade<const L: usize>(
-        ground: &Ground,
-        facet: &Facet32,
-        s: &[f32; L],
-        t: &[f32; L],
-        _: &[f32; L],
-        _: &[bool; L],
-    ) -> [f32; L] {
-        let q = &facet.shade;
-        let cosine = affine(q[1], q[2], q[3], s, t);
-        let length_squared = quadratic(&ground.length_squared, s, t);
-        let mut out = [0.0; L];
-        for l in 0..L {
-            out[l] = cosine[l] / length_squared[l].sqrt() + q[0];
-        }
-        out
+    fn shade<V: Vector>(ground: &Ground, facet: &Facet32, s: V, t: V, _: V, _: V::Mask) -> V {
+        let [c, along_s, along_t, ..] = facet.shade_gain;
+        let cosine = s.mul_add(V::splat(along_s), t.mul_add(V::splat(along_t), V::splat(c)));
+        let length = quadratic(&ground.length_squared, s, t).sqrt();
+        cosine.div(length).add(V::splat(facet.shade[0]))
     }
 }
 
@@ -83,19 +57,9 @@ pub(super) struct Directional;
 impl Shader for Directional {
     const SHADOWS: bool = true;
     #[inline(always)]
-    fn shade<const L: usize>(
-        _: &Ground,
-        facet: &Facet32,
-        _: &[f32; L],
-        _: &[f32; L],
-        _: &[f32; L],
-        lit: &[bool; L],
-    ) -> [f32; L] {
-        let mut out = [0.0; L];
-        for l in 0..L {
-            out[l] = if lit[l] { facet.shade[0] + facet.shade[1] } else { facet.shade[0] };
-        }
-        out
+    fn shade<V: Vector>(_: &Ground, facet: &Facet32, _: V, _: V, _: V, lit: V::Mask) -> V {
+        let base = facet.shade[0];
+        V::select(lit, V::splat(base + facet.shade_gain[0]), V::splat(base))
     }
 }
 
@@ -106,75 +70,77 @@ pub(super) struct Point;
 impl Shader for Point {
     const SHADOWS: bool = true;
     #[inline(always)]
-    fn shade<const L: usize>(
-        _: &Ground,
-        facet: &Facet32,
-        s: &[f32; L],
-        t: &[f32; L],
-        w: &[f32; L],
-        lit: &[bool; L],
-    ) -> [f32; L] {
-        let square = quadratic(&facet.to_light, s, t);
-        let mut out = [0.0; L];
-        for l in 0..L {
-            let ratio = w[l] / square[l].sqrt();
-            let term = facet.shade[1] * ratio * ratio * ratio;
-            out[l] = facet.shade[0] + if lit[l] { term } else { 0.0 };
+    fn shade<V: Vector>(_: &Ground, facet: &Facet32, s: V, t: V, w: V, lit: V::Mask) -> V {
+        let ratio = w.div(quadratic(&facet.to_light, s, t).sqrt());
+        let cube = ratio.mul(ratio).mul(ratio);
+        let base = V::splat(facet.shade[0]);
+        V::select(lit, cube.mul_add(V::splat(facet.shade_gain[0]), base), base)
+    }
+}
+
+#[inline(always)]
+fn quadratic<V: Vector>(q: &[f32; 6], s: V, t: V) -> V {
+    let [c, qs, qt, qss, qst, qtt] = q.map(V::splat);
+    let along_s = s.mul_add(qss, t.mul_add(qst, qs));
+    let along_t = t.mul_add(qtt, qt);
+    s.mul_add(along_s, t.mul_add(along_t, c))
+}
+
+#[inline(always)]
+fn affine<V: Vector>(functions: &Lanes4, which: usize, s: V, t: V) -> V {
+    let [c, along_s, along_t] =
+        [functions.c[which], functions.s[which], functions.t[which]].map(V::splat);
+    s.mul_add(along_s, t.mul_add(along_t, c))
+}
+
+#[inline(always)]
+fn least_of_three<V: Vector>(functions: &Lanes4, s: V, t: V) -> V {
+    affine(functions, 0, s, t).min(affine(functions, 1, s, t)).min(affine(functions, 2, s, t))
+}
+
+/// LANES trials: what each draws from, and the sum of its values.
+#[derive(Clone, Copy)]
+pub(super) struct Group<V: Vector> {
+    y: V::Int,
+    z: V::Int,
+    yz: V::Int,
+    pub(super) sum: V::Sum,
+}
+
+impl<V: Vector> Group<V> {
+    /// Of up to LANES streams; further lanes draw from a stream that nobody reads.
+    #[inline(always)]
+    pub(super) fn new(streams: &[Stream]) -> Self {
+        let (mut y, mut z) = ([1; MAX_LANES], [1; MAX_LANES]);
+        for (l, stream) in streams.iter().enumerate() {
+            y[l] = first_step(stream.words[0]);
+            z[l] = first_step(stream.words[1]);
         }
-        out
+        let (y, z) = (V::int_load(&y), V::int_load(&z));
+        Self { y, z, yz: V::int_mul(y, z), sum: V::sum_zero() }
     }
-}
 
-#[inline(always)]
-fn affine<const L: usize>(c: f32, fs: f32, ft: f32, s: &[f32; L], t: &[f32; L]) -> [f32; L] {
-    let mut out = [0.0; L];
-    for l in 0..L {
-        out[l] = s[l].mul_add(fs, t[l].mul_add(ft, c));
+    /// One sample per trial in the stratum `index`: its position about the pixel's centre, from
+    /// the upper 24 bits of the first two words of [`pcg3d`](crate::rng::pcg3d).
+    #[inline(always)]
+    fn sample(&self, index: u32, step: [f32; 2], origin: [f32; 2]) -> [V; 2] {
+        let x = V::int_add(V::int_splat(first_step(index)), self.yz);
+        let y = V::int_add(self.y, V::int_mul(self.z, x));
+        let z = V::int_add(self.z, V::int_mul(x, y));
+        let [x, y, z] = [x, y, z].map(V::int_xorshift16);
+        let x = V::int_add(x, V::int_mul(y, z));
+        let y = V::int_add(y, V::int_mul(z, x));
+        let place = |word, axis: usize| {
+            V::upper24(word).mul_add(V::splat(step[axis]), V::splat(origin[axis]))
+        };
+        [place(x, 0), place(y, 1)]
     }
-    out
-}
-
-#[inline(always)]
-fn quadratic<const L: usize>(q: &[f32; 6], s: &[f32; L], t: &[f32; L]) -> [f32; L] {
-    let mut out = [0.0; L];
-    for l in 0..L {
-        let along_s = s[l].mul_add(q[3], t[l].mul_add(q[4], q[1]));
-        let along_t = t[l].mul_add(q[5], q[2]);
-        out[l] = s[l].mul_add(along_s, t[l].mul_add(along_t, q[0]));
-    }
-    out
 }
 
 /// pcg3d's first step, an LCG, on one word.
 #[inline(always)]
-pub(super) fn first_step(word: u32) -> u32 {
+fn first_step(word: u32) -> u32 {
     word.wrapping_mul(1_664_525).wrapping_add(1_013_904_223)
-}
-
-/// Samples of stratum `index` in L trials: position about the pixel's centre, from the upper
-/// 24 bits of the first two words of [`pcg3d`](crate::rng::pcg3d).
-#[inline(always)]
-fn samples<const L: usize>(
-    index: u32,
-    group: &TrialStreams<L>,
-    step: [f32; 2],
-    origin: [f32; 2],
-) -> [[f32; L]; 2] {
-    let index = first_step(index);
-    let mut out = [[0.0; L]; 2];
-    for l in 0..L {
-        let mut x = index.wrapping_add(group.yz[l]);
-        let mut y = group.y[l].wrapping_add(group.z[l].wrapping_mul(x));
-        let mut z = group.z[l].wrapping_add(x.wrapping_mul(y));
-        x ^= x >> 16;
-        y ^= y >> 16;
-        z ^= z >> 16;
-        x = x.wrapping_add(y.wrapping_mul(z));
-        y = y.wrapping_add(z.wrapping_mul(x));
-        out[0][l] = ((x >> 8) as i32 as f32).mul_add(step[0], origin[0]);
-        out[1][l] = ((y >> 8) as i32 as f32).mul_add(step[1], origin[1]);
-    }
-    out
 }
 
 /// Adds to each trial's sum the values of its samples in all strata: one sample per stratum.
@@ -182,10 +148,10 @@ fn samples<const L: usize>(
 /// Rectangles of strata are halved, and the list of facets filtered for each half, until one
 /// facet covers the rectangle, or it is a single stratum.
 #[inline(always)]
-pub(super) fn strata_sums<S: Shader, const L: usize>(
+pub(super) fn strata_sums<S: Shader, V: Vector>(
     pixel: &Pixel32,
     strata: &Strata,
-    groups: &mut [TrialStreams<L>],
+    groups: &mut [Group<V>],
     work: &mut Work<'_>,
 ) {
     let Work { entries, occluders, stack, exact } = work;
@@ -196,7 +162,8 @@ pub(super) fn strata_sums<S: Shader, const L: usize>(
     for (facet, data) in (0..).zip(&pixel.facets) {
         let first = occluders.len() as u32;
         occluders.extend(data.occluders.clone());
-        entries.push(Entry { facet, occluders: [first, occluders.len() as u32], shadowed: false });
+        let occluders = [first, occluders.len() as u32];
+        entries.push(Entry { facet, occluders, ..Entry::default() });
     }
     stack.push(Rect {
         i: [0, strata.per_axis[0]],
@@ -208,7 +175,7 @@ pub(super) fn strata_sums<S: Shader, const L: usize>(
         entries.truncate(rect.entries[1] as usize);
         occluders.truncate(rect.n_occluders as usize);
         let first = entries.len();
-        let covered = filter::<S>(pixel, strata, &rect, entries, occluders);
+        let covered = filter::<S, V>(pixel, strata, &rect, entries, occluders);
         let list = &entries[first..];
         let uniform = match list {
             [] => Some(&pixel.ground.background),
@@ -219,9 +186,9 @@ pub(super) fn strata_sums<S: Shader, const L: usize>(
         };
         if let Some(facet) = uniform {
             let lit = list.first().is_none_or(|only| !only.shadowed);
-            fill_rect::<S, L>(pixel, strata, &rect, facet, lit, groups);
+            fill_rect::<S, V>(pixel, strata, &rect, facet, lit, groups);
         } else if rect.is_single() {
-            sample_stratum::<S, L>(pixel, strata, &rect, list, occluders, groups, exact);
+            sample_stratum::<S, V>(pixel, strata, &rect, list, occluders, groups, exact);
         } else {
             let entries = [first as u32, entries.len() as u32];
             let n_occluders = occluders.len() as u32;
@@ -232,207 +199,198 @@ pub(super) fn strata_sums<S: Shader, const L: usize>(
     }
 }
 
-/// Appends to `entries` the rectangle's facets that may be seen in it, and tells whether a lone
-/// one of them covers it.
+/// Appends to `entries` the rectangle's facets that may be seen in it, and tells whether all of
+/// them cover it.
 #[inline(always)]
-fn filter<S: Shader>(
+fn filter<S: Shader, V: Vector>(
     pixel: &Pixel32,
     strata: &Strata,
     rect: &Rect,
     entries: &mut Vec<Entry>,
     occluders: &mut Vec<u32>,
 ) -> bool {
-    let (centre, half) = strata.centre_and_half(rect);
+    /// Bits of a facet's three edges.
+    const EDGES: u32 = 0b0111;
+    let extent = strata.extent(rect);
+    let kept = entries.len();
     let mut horizon = 0.0f32;
     let mut all_cover = true;
-    let kept = entries.len();
     for at in rect.entries[0]..rect.entries[1] {
-        let entry = entries[at as usize];
+        let mut entry = entries[at as usize];
         let facet = &pixel.facets[entry.facet as usize];
-        let [lo, hi] = facet.lanes.range(centre, half);
-        let edge_hi = hi[0].min(hi[1]).min(hi[2]);
-        let edge_lo = lo[0].min(lo[1]).min(lo[2]);
-        let (w_lo, w_hi) = (lo[3] - facet.w_slack, hi[3] + facet.w_slack);
-        if edge_hi < -CULL_SLACK || w_hi < horizon {
+        let range = V::range(&facet.lanes, &extent);
+        entry.w_hi = range.last[1] + facet.w_slack;
+        if range.below & EDGES != 0 || entry.w_hi < horizon {
             continue;
         }
-        let covers = edge_lo > CULL_SLACK;
+        let covers = range.above & EDGES == EDGES;
+        let w_lo = range.last[0] - facet.w_slack;
         if covers && w_lo > horizon {
             horizon = w_lo;
+            // Those kept so far that now lie behind.
+            let mut to = kept;
+            for at in kept..entries.len() {
+                entries[to] = entries[at];
+                to += usize::from(entries[to].w_hi >= horizon);
+            }
+            entries.truncate(to);
+            all_cover = entries.len() == kept;
         }
         all_cover &= covers;
         entries.push(entry);
     }
-    // What was kept before the horizon came nearer.
-    if horizon > 0.0 && entries.len() > kept + 1 {
-        let mut to = kept;
-        for at in kept..entries.len() {
-            let entry = entries[at];
-            let facet = &pixel.facets[entry.facet as usize];
-            let [_, hi] = facet.lanes.range(centre, half);
-            if hi[3] + facet.w_slack >= horizon {
-                entries[to] = entry;
-                to += 1;
-            }
-        }
-        entries.truncate(to);
-        if let [only] = &entries[kept..] {
-            let [lo, _] = pixel.facets[only.facet as usize].lanes.range(centre, half);
-            all_cover = lo[0].min(lo[1]).min(lo[2]) > CULL_SLACK;
-        }
-    }
     if S::SHADOWS {
         for entry in &mut entries[kept..] {
-            let from = entry.occluders;
-            entry.occluders[0] = occluders.len() as u32;
-            for at in from[0]..from[1] {
+            let first = occluders.len();
+            for at in entry.occluders[0]..entry.occluders[1] {
                 let id = occluders[at as usize];
-                let [lo, hi] = pixel.occluders[id as usize].range(centre, half);
-                let (lo, hi) = (least(lo), least(hi));
-                if lo > CULL_SLACK {
+                let range = V::range(&pixel.occluders[id as usize], &extent);
+                if range.above == 0b1111 {
                     entry.shadowed = true;
+                    occluders.truncate(first);
                     break;
                 }
-                if hi >= -CULL_SLACK {
+                if range.below == 0 {
                     occluders.push(id);
                 }
             }
-            if entry.shadowed {
-                occluders.truncate(entry.occluders[0] as usize);
-            }
-            entry.occluders[1] = occluders.len() as u32;
+            entry.occluders = [first as u32, occluders.len() as u32];
         }
     }
     all_cover
 }
 
-#[inline(always)]
-fn least(x: [f32; 4]) -> f32 {
-    x[0].min(x[1]).min(x[2].min(x[3]))
-}
-
 /// One facet, or the background, fills the rectangle.
 #[inline(always)]
-fn fill_rect<S: Shader, const L: usize>(
+fn fill_rect<S: Shader, V: Vector>(
     pixel: &Pixel32,
     strata: &Strata,
     rect: &Rect,
     facet: &Facet32,
     lit: bool,
-    groups: &mut [TrialStreams<L>],
+    groups: &mut [Group<V>],
 ) {
     if facet.is_flat || (S::SHADOWS && !lit) {
-        let lit = facet.is_flat && lit;
-        let value = f64::from(facet.shade[0]) + if lit { f64::from(facet.flat_lit) } else { 0.0 };
+        let gain = if facet.is_flat && lit { facet.shade_gain[0] } else { 0.0 };
+        let value = f64::from(facet.shade[0] + gain);
         let sum = value * f64::from((rect.i[1] - rect.i[0]) * (rect.j[1] - rect.j[0]));
         if sum != 0.0 {
             for group in groups {
-                for l in 0..L {
-                    group.sum[l] += sum;
-                }
+                group.sum = V::sum_add_all(group.sum, sum);
             }
         }
         return;
     }
     for group in groups {
-        let mut total = group.sum;
+        let mut sum = group.sum;
         for j in rect.j[0]..rect.j[1] {
             let mut i = rect.i[0];
             while i < rect.i[1] {
                 let end = rect.i[1].min(i + RUN);
-                let mut run = [0.0f32; L];
+                let mut run = V::splat(0.0);
                 while i < end {
-                    let [s, t] =
-                        samples(strata.index(i, j), group, strata.step, strata.origin(i, j));
-                    let w = facet.lanes.inverse_depth(&s, &t);
-                    let value = S::shade(&pixel.ground, facet, &s, &t, &w, &[true; L]);
-                    for l in 0..L {
-                        run[l] += value[l];
-                    }
+                    let origin = strata.origin(i, j);
+                    let [s, t] = group.sample(strata.index(i, j), strata.step, origin);
+                    let w = affine(&facet.lanes, 3, s, t);
+                    run = run.add(S::shade(&pixel.ground, facet, s, t, w, V::mask_all()));
                     i += 1;
                 }
-                for l in 0..L {
-                    total[l] += f64::from(run[l]);
-                }
+                sum = V::sum_add(sum, run);
             }
         }
-        group.sum = total;
+        group.sum = sum;
     }
 }
 
 /// One stratum with several candidates: the nearest facet hit gives the value.
 #[inline(always)]
-fn sample_stratum<S: Shader, const L: usize>(
+fn sample_stratum<S: Shader, V: Vector>(
     pixel: &Pixel32,
     strata: &Strata,
     rect: &Rect,
     list: &[Entry],
     occluders: &[u32],
-    groups: &mut [TrialStreams<L>],
+    groups: &mut [Group<V>],
     exact: Exact<'_>,
 ) {
     let (i, j) = (rect.i[0], rect.j[0]);
     for group in groups {
-        let [s, t] = samples(strata.index(i, j), group, strata.step, strata.origin(i, j));
-        let value = visible::<S, L>(pixel, list, occluders, &s, &t, exact);
-        for l in 0..L {
-            group.sum[l] += f64::from(value[l]);
-        }
+        let [s, t] = group.sample(strata.index(i, j), strata.step, strata.origin(i, j));
+        let value = visible::<S, V>(pixel, list, occluders, s, t, exact);
+        group.sum = V::sum_add(group.sum, value);
     }
 }
 
-/// Values of L samples that lie anywhere where `list` is complete.
+/// Values of samples that lie anywhere where `list` is complete.
 #[inline(always)]
-pub(super) fn visible<S: Shader, const L: usize>(
+pub(super) fn visible<S: Shader, V: Vector>(
     pixel: &Pixel32,
     list: &[Entry],
     occluders: &[u32],
-    s: &[f32; L],
-    t: &[f32; L],
+    s: V,
+    t: V,
     exact: Exact<'_>,
-) -> [f32; L] {
-    let mut value = [pixel.ground.background.shade[0]; L];
-    let mut nearest = [0.0f32; L];
-    let mut nearest_slack = [0.0f32; L];
-    let mut doubt = [0u32; L];
+) -> V {
+    let zero = V::splat(0.0);
+    let limit = V::splat(DOUBT);
+    let mut value = V::splat(pixel.ground.background.shade[0]);
+    let mut nearest = zero;
+    let mut nearest_slack = zero;
+    let mut doubt = V::mask_none();
     for entry in list {
         let facet = &pixel.facets[entry.facet as usize];
-        let [e0, e1, e2, w] = facet.lanes.at(s, t);
-        let mut lit = [true; L];
+        let margin = least_of_three(&facet.lanes, s, t);
+        let w = affine(&facet.lanes, 3, s, t);
+        let mut lit = V::mask_all();
         if S::SHADOWS {
-            lit = [!entry.shadowed; L];
+            if entry.shadowed {
+                lit = V::mask_none();
+            }
             for &id in &occluders[entry.occluders[0] as usize..entry.occluders[1] as usize] {
-                let [o0, o1, o2, o3] = pixel.occluders[id as usize].at(s, t);
-                for l in 0..L {
-                    let margin = o0[l].min(o1[l]).min(o2[l].min(o3[l]));
-                    lit[l] &= margin < 0.0;
-                    doubt[l] |= u32::from(margin.abs() <= DOUBT);
-                }
+                let occluder = &pixel.occluders[id as usize];
+                let margin = least_of_three(occluder, s, t).min(affine(occluder, 3, s, t));
+                lit = V::mask_without(lit, margin.ge(zero));
+                doubt = V::mask_or(doubt, margin.abs().le(limit));
             }
         }
-        let shade = S::shade(&pixel.ground, facet, s, t, &w, &lit);
-        for l in 0..L {
-            let margin = e0[l].min(e1[l]).min(e2[l]);
-            let inside = margin >= 0.0;
-            let gap = w[l] - nearest[l];
-            let wins = inside & (gap > 0.0);
-            let tied = inside & (gap.abs() <= facet.w_slack + nearest_slack[l]);
-            doubt[l] |= u32::from((margin.abs() <= DOUBT) | tied);
-            value[l] = if wins { shade[l] } else { value[l] };
-            nearest[l] = if wins { w[l] } else { nearest[l] };
-            nearest_slack[l] = if wins { facet.w_slack } else { nearest_slack[l] };
-        }
+        let shade = S::shade(&pixel.ground, facet, s, t, w, lit);
+        let inside = margin.ge(zero);
+        let gap = w.sub(nearest);
+        let slack = V::splat(facet.w_slack);
+        let tied = V::mask_and(inside, gap.abs().le(slack.add(nearest_slack)));
+        let wins = V::mask_and(inside, gap.gt(zero));
+        doubt = V::mask_or(doubt, V::mask_or(margin.abs().le(limit), tied));
+        value = V::select(wins, shade, value);
+        nearest = V::select(wins, w, nearest);
+        nearest_slack = V::select(wins, slack, nearest_slack);
     }
-    let mut any = 0;
-    for l in 0..L {
-        any |= doubt[l];
-    }
-    if any != 0 {
-        for l in 0..L {
-            if doubt[l] != 0 {
-                value[l] = exact(list, f64::from(s[l]), f64::from(t[l])) as f32;
-            }
-        }
+    if V::mask_bits(doubt) != 0 {
+        value = settle(V::mask_bits(doubt), list, value, s, t, exact);
     }
     value
+}
+
+/// Puts the f64 answer in place of each doubtful lane's.
+#[cold]
+#[inline(never)]
+fn settle_values(
+    mut lanes: u32,
+    list: &[Entry],
+    values: &mut [f32; MAX_LANES],
+    s: &[f32; MAX_LANES],
+    t: &[f32; MAX_LANES],
+    exact: Exact<'_>,
+) {
+    while lanes != 0 {
+        let l = lanes.trailing_zeros() as usize;
+        values[l] = exact(list, f64::from(s[l]), f64::from(t[l])) as f32;
+        lanes &= lanes - 1;
+    }
+}
+
+#[inline(always)]
+fn settle<V: Vector>(lanes: u32, list: &[Entry], value: V, s: V, t: V, exact: Exact<'_>) -> V {
+    let mut values = value.store();
+    settle_values(lanes, list, &mut values, &s.store(), &t.store(), exact);
+    V::load(&values)
 }

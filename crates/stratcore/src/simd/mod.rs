@@ -8,12 +8,13 @@
 
 mod kernel;
 mod types;
+mod vector;
+#[cfg(target_arch = "x86_64")]
+mod x86;
 
 use crate::rng::Stream;
 
-pub(crate) use types::{
-    Entry, Exact, Facet32, Ground, Lanes4, Pixel32, Rect, Shading, Strata, TrialStreams, Work,
-};
+pub(crate) use types::{Entry, Facet32, Ground, Lanes4, Pixel32, Rect, Shading, Strata, Work};
 
 /// An instruction set that this machine runs and for which the loops were compiled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,50 +67,54 @@ impl Isa {
     }
 }
 
-/// Declares one kernel for every instruction set: the same body, `inline(always)`, under
-/// different target features.
+/// Declares the kernels for one instruction set: the same bodies, `inline(always)`, under its
+/// target features and with its vector.
 macro_rules! compiled_for {
-    ($module:ident, $features:literal, $lanes:literal) => {
+    ($module:ident, $features:literal, $vector:ty) => {
         mod $module {
-            use super::kernel::{self, Directional, Point, Polynomial, WideHeadlight};
-            use super::{Pixel32, Shading, Strata, TrialStreams, Work};
-
-            pub(super) const LANES: usize = $lanes;
+            use super::kernel::{self, Directional, Group, Point, Polynomial, WideHeadlight};
+            use super::vector::Vector;
+            use super::{Pixel32, Shading, Strata, Stream, Work};
 
             #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
             pub(super) fn strata_sums(
                 pixel: &Pixel32,
                 strata: &Strata,
-                groups: &mut [TrialStreams<LANES>],
+                streams: &[Stream],
                 work: &mut Work<'_>,
+                sums: &mut [f64],
             ) {
+                type V = $vector;
+                let mut groups: Vec<Group<V>> = streams.chunks(V::LANES).map(Group::new).collect();
+                let g = &mut groups;
                 match pixel.ground.shading {
                     Shading::Polynomial => {
-                        kernel::strata_sums::<Polynomial, LANES>(pixel, strata, groups, work);
+                        kernel::strata_sums::<Polynomial, V>(pixel, strata, g, work);
                     }
                     Shading::WideHeadlight => {
-                        kernel::strata_sums::<WideHeadlight, LANES>(pixel, strata, groups, work);
+                        kernel::strata_sums::<WideHeadlight, V>(pixel, strata, g, work);
                     }
                     Shading::Directional => {
-                        kernel::strata_sums::<Directional, LANES>(pixel, strata, groups, work);
+                        kernel::strata_sums::<Directional, V>(pixel, strata, g, work);
                     }
-                    Shading::Point => {
-                        kernel::strata_sums::<Point, LANES>(pixel, strata, groups, work);
-                    }
+                    Shading::Point => kernel::strata_sums::<Point, V>(pixel, strata, g, work),
+                }
+                for (sums, group) in sums.chunks_mut(V::LANES).zip(&groups) {
+                    sums.copy_from_slice(&V::sum_store(group.sum)[..sums.len()]);
                 }
             }
         }
     };
 }
 
-compiled_for!(baseline, "sse2", 8);
+compiled_for!(baseline, "sse2", crate::simd::vector::Plain);
 #[cfg(target_arch = "x86_64")]
-compiled_for!(avx2, "avx2,fma", 8);
+compiled_for!(avx2, "avx2,fma", crate::simd::x86::Avx2);
 #[cfg(target_arch = "x86_64")]
-compiled_for!(avx512, "avx512f,avx512vl,avx512dq,avx2,fma", 16);
+compiled_for!(avx512, "avx512f,avx512vl,avx512dq,avx2,fma", crate::simd::x86::Avx512);
 
-/// Adds to `sums[t]` the values of the samples that trial t draws from `streams[t]`: one in
-/// each stratum.
+/// Overwrites `sums[t]` with the sum over the samples that trial t draws from `streams[t]`: one
+/// in each stratum.
 pub(crate) fn strata_sums(
     isa: Isa,
     pixel: &Pixel32,
@@ -118,33 +123,15 @@ pub(crate) fn strata_sums(
     work: &mut Work<'_>,
     sums: &mut [f64],
 ) {
-    macro_rules! run {
-        ($module:ident, $call:expr) => {{
-            let mut groups: Vec<TrialStreams<{ $module::LANES }>> =
-                streams.chunks($module::LANES).map(TrialStreams::new).collect();
-            $call(&mut groups);
-            for (sums, group) in sums.chunks_mut($module::LANES).zip(&groups) {
-                for (sum, value) in sums.iter_mut().zip(&group.sum) {
-                    *sum += value;
-                }
-            }
-        }};
-    }
     match isa.0 {
         // SAFETY: SSE2 is part of x86-64; elsewhere the function asks for no feature.
-        #[cfg_attr(not(target_arch = "x86_64"), expect(unused_unsafe, reason = "no feature asked"))]
-        Kind::Baseline => {
-            run!(baseline, |g: &mut [_]| unsafe { baseline::strata_sums(pixel, strata, g, work) });
-        }
+        #[allow(unused_unsafe, reason = "safe to call where the feature is the target's own")]
+        Kind::Baseline => unsafe { baseline::strata_sums(pixel, strata, streams, work, sums) },
         // SAFETY: `Kind::Avx2` is made by `Isa::available` alone, which saw the features.
         #[cfg(target_arch = "x86_64")]
-        Kind::Avx2 => {
-            run!(avx2, |g: &mut [_]| unsafe { avx2::strata_sums(pixel, strata, g, work) })
-        }
+        Kind::Avx2 => unsafe { avx2::strata_sums(pixel, strata, streams, work, sums) },
         // SAFETY: as above.
         #[cfg(target_arch = "x86_64")]
-        Kind::Avx512 => {
-            run!(avx512, |g: &mut [_]| unsafe { avx512::strata_sums(pixel, strata, g, work) });
-        }
+        Kind::Avx512 => unsafe { avx512::strata_sums(pixel, strata, streams, work, sums) },
     }
 }

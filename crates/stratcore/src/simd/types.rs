@@ -1,7 +1,6 @@
 //! What the kernels read and write, in f32 and in the order in which they want it.
 
-use super::kernel::first_step;
-use crate::rng::Stream;
+use super::vector::Extent;
 use std::ops::Range;
 
 /// Four affine functions of the position (s, t) in the pixel, side by side: three edges and
@@ -13,43 +12,6 @@ pub(crate) struct Lanes4 {
     pub t: [f32; 4],
 }
 
-impl Lanes4 {
-    /// Least and greatest values on a rectangle.
-    #[inline(always)]
-    pub(super) fn range(&self, centre: [f32; 2], half: [f32; 2]) -> [[f32; 4]; 2] {
-        let (mut lo, mut hi) = ([0.0; 4], [0.0; 4]);
-        for l in 0..4 {
-            let middle = self.s[l].mul_add(centre[0], self.t[l].mul_add(centre[1], self.c[l]));
-            let radius = self.s[l].abs().mul_add(half[0], self.t[l].abs() * half[1]);
-            lo[l] = middle - radius;
-            hi[l] = middle + radius;
-        }
-        [lo, hi]
-    }
-
-    /// All four at L positions.
-    #[inline(always)]
-    pub(super) fn at<const L: usize>(&self, s: &[f32; L], t: &[f32; L]) -> [[f32; L]; 4] {
-        let mut out = [[0.0; L]; 4];
-        for f in 0..4 {
-            for l in 0..L {
-                out[f][l] = s[l].mul_add(self.s[f], t[l].mul_add(self.t[f], self.c[f]));
-            }
-        }
-        out
-    }
-
-    /// The last of the four at L positions.
-    #[inline(always)]
-    pub(super) fn inverse_depth<const L: usize>(&self, s: &[f32; L], t: &[f32; L]) -> [f32; L] {
-        let mut out = [0.0; L];
-        for l in 0..L {
-            out[l] = s[l].mul_add(self.s[3], t[l].mul_add(self.t[3], self.c[3]));
-        }
-        out
-    }
-}
-
 /// A facet for the kernels.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Facet32 {
@@ -57,14 +19,15 @@ pub(crate) struct Facet32 {
     pub lanes: Lanes4,
     /// Rounding of 1/t anywhere in the pixel.
     pub w_slack: f32,
-    /// Shading coefficients; their meaning is the [`Shading`]'s.
+    /// Radiance as a polynomial c, s, t, ss, st, tt; under other shaders than the polynomial
+    /// one only c counts, the part that needs no light.
     pub shade: [f32; 6],
+    /// What the light adds: an affine cosine, or a factor alone.
+    pub shade_gain: [f32; 3],
     /// |l w - D|² for a point light at l.
     pub to_light: [f32; 6],
     /// The radiance is the same at every sample, but for shadows.
     pub is_flat: bool,
-    /// What a flat facet gains where it is lit.
-    pub flat_lit: f32,
     /// Its occluders in [`Pixel32::occluders`].
     pub occluders: Range<u32>,
 }
@@ -104,6 +67,8 @@ pub(crate) struct Entry {
     pub occluders: [u32; 2],
     /// Wholly in shadow here.
     pub shadowed: bool,
+    /// No nearer than this anywhere in the rectangle.
+    pub(super) w_hi: f32,
 }
 
 impl Entry {
@@ -172,37 +137,13 @@ impl Strata {
     }
 
     #[inline(always)]
-    pub(super) fn centre_and_half(&self, rect: &Rect) -> ([f32; 2], [f32; 2]) {
-        let (mut centre, mut half) = ([0.0; 2], [0.0; 2]);
-        for (axis, ends) in [rect.i, rect.j].into_iter().enumerate() {
-            let lo = self.bounds[axis][ends[0] as usize];
-            let hi = self.bounds[axis][ends[1] as usize];
-            centre[axis] = 0.5 * (lo + hi);
-            half[axis] = 0.5 * (hi - lo);
+    pub(super) fn extent(&self, rect: &Rect) -> Extent {
+        let ends = |axis: usize, ends: [u32; 2]| ends.map(|end| self.bounds[axis][end as usize]);
+        let ([i0, i1], [j0, j1]) = (ends(0, rect.i), ends(1, rect.j));
+        Extent {
+            middle: [0.5 * (i0 + i1), 0.5 * (j0 + j1)],
+            half: [0.5 * (i1 - i0), 0.5 * (j1 - j0)],
         }
-        (centre, half)
-    }
-}
-
-/// L trials: what each draws from, and the sum of its values.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct TrialStreams<const L: usize> {
-    pub(super) y: [u32; L],
-    pub(super) z: [u32; L],
-    pub(super) yz: [u32; L],
-    pub(super) sum: [f64; L],
-}
-
-impl<const L: usize> TrialStreams<L> {
-    /// Of up to L streams; further lanes draw from a stream that nobody reads.
-    pub(super) fn new(streams: &[Stream]) -> Self {
-        let (mut y, mut z, mut yz) = ([1; L], [1; L], [1; L]);
-        for (l, stream) in streams.iter().enumerate() {
-            y[l] = first_step(stream.words[0]);
-            z[l] = first_step(stream.words[1]);
-            yz[l] = y[l].wrapping_mul(z[l]);
-        }
-        Self { y, z, yz, sum: [0.0; L] }
     }
 }
 
