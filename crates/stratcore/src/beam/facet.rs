@@ -7,6 +7,7 @@
 //! the world.
 
 use crate::beam::affine::{Affine, CentredFrame};
+use crate::beam::gather::Frustum;
 use crate::scene::Mesh;
 use glam::DVec3;
 
@@ -29,21 +30,29 @@ pub(crate) struct Facet {
 impl Facet {
     /// None for a triangle that has no area, is seen edge-on, or lies outside the pixel for
     /// certain.
-    pub fn new(mesh: &Mesh, id: u32, eye: DVec3, centred: &CentredFrame) -> Option<Self> {
+    pub fn new(
+        mesh: &Mesh,
+        id: u32,
+        eye: DVec3,
+        centred: &CentredFrame,
+        frustum: &Frustum,
+    ) -> Option<Self> {
         let index = mesh.triangles[id as usize];
         let corner = index.map(|i| mesh.positions[i as usize]);
-        let [a, b, c] = corner.map(|p| p - eye);
+        let relative = corner.map(|p| p - eye);
+        if frustum.misses(&relative) {
+            return None;
+        }
         let normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
         let length = normal.length();
-        let distance = a.dot(normal) / length;
+        let distance = relative[0].dot(normal) / length;
         // Also leaves out what is not a number.
         if !(distance.abs() > 0.0 && length > 0.0) {
             return None;
         }
         let orientation = distance.signum();
         let mut edges = [Affine::default(); 3];
-        let (relative, pairs) = ([a, b, c], [(0, 1), (1, 2), (2, 0)]);
-        for (edge, (from, to)) in edges.iter_mut().zip(pairs) {
+        for (edge, (from, to)) in edges.iter_mut().zip([(0, 1), (1, 2), (2, 0)]) {
             // One order of the two ends for both triangles that share them, so that their
             // functions cancel exactly. The difference of ends that lie close together is
             // free of rounding, which p × q itself is not.

@@ -5,9 +5,11 @@ use glam::{DVec3, Vec3A};
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 
-/// The pixel's pyramid from the eye, for conservative tests in f32.
+/// The pixel's pyramid from the eye.
 pub(crate) struct Frustum {
-    /// Inward normals of left, right, top and bottom planes, by component.
+    /// Inward unit normals of the four sides.
+    sides: [DVec3; 4],
+    /// The same by component, for conservative tests in f32.
     normals: [[f32; 4]; 3],
     /// View direction: depth along it is the ray parameter of the pixel's directions.
     forward: Vec3A,
@@ -18,16 +20,19 @@ impl Frustum {
     pub fn new(centred: &CentredFrame, forward: DVec3) -> Self {
         let corner = |s, t| centred.direction(s, t);
         let corners = [corner(-0.5, -0.5), corner(0.5, -0.5), corner(0.5, 0.5), corner(-0.5, 0.5)];
-        // Sides in corner order: top, right, bottom, left; the centre is inside each.
-        let mut normals = [[0.0; 4]; 3];
-        for side in 0..4 {
+        let sides = std::array::from_fn(|side| {
             let n = corners[side].cross(corners[(side + 1) % 4]).normalize();
-            let n = if n.dot(centred.dc) < 0.0 { -n } else { n };
-            for axis in 0..3 {
-                normals[axis][side] = n[axis] as f32;
-            }
-        }
-        Self { normals, forward: forward.as_vec3a() }
+            if n.dot(centred.dc) < 0.0 { -n } else { n }
+        });
+        let normals = std::array::from_fn(|axis| sides.map(|n: DVec3| n[axis] as f32));
+        Self { sides, normals, forward: forward.as_vec3a() }
+    }
+
+    /// Whether one side has all three points outside it, by more than rounding.
+    #[inline(always)]
+    pub fn misses(&self, points: &[DVec3; 3]) -> bool {
+        let slack = -1e-12 * points.iter().fold(0.0, |m: f64, p| m.max(p.abs().max_element()));
+        self.sides.iter().any(|n| points.iter().all(|p| n.dot(*p) < slack))
     }
 
     /// Whether some point of the box may lie in the pyramid: false only when one plane has all

@@ -6,11 +6,12 @@ use crate::beam::gather::{Frustum, gather};
 use crate::beam::shade::{Shade, coefficients};
 use crate::beam::shadow::{Occluder, occluders};
 use crate::integrand::Integrand;
-use crate::rng::{Stream, StreamKey};
+use crate::rng::StreamKey;
 use crate::sampler::{PointSet, Sampler, strata_per_axis};
 use crate::scene::{Channel, Light, Scene};
-use crate::simd::{self, Entry, Facet32, Ground, Isa, Lanes4, Pixel32, Shading, Strata, Work};
+use crate::simd::{self, Cells, Entry, Facet32, Ground, Isa, Lanes4, Pixel32, Shading, Strata};
 use obvhs::bvh2::Bvh2;
+use std::sync::OnceLock;
 
 /// Directions may turn by this much across a pixel before a polynomial of second order is off
 /// by more than 1e-8 of the radiance.
@@ -28,6 +29,8 @@ pub struct PixelBeam {
     /// The value that the kernels' radiances are relative to.
     ground: f64,
     pixel32: Pixel32,
+    /// Made when a sampler first asks for it.
+    cells: OnceLock<Cells>,
 }
 
 impl PixelBeam {
@@ -85,7 +88,17 @@ impl PixelBeam {
             },
         };
         let (isa, occluders) = (Isa::detect(), all_occluders);
-        Some(Self { isa, facets, shades, occluders, length_squared, background, ground, pixel32 })
+        Some(Self {
+            isa,
+            facets,
+            shades,
+            occluders,
+            length_squared,
+            background,
+            ground,
+            pixel32,
+            cells: OnceLock::new(),
+        })
     }
 
     /// The same beam, run by another instruction set.
@@ -129,19 +142,19 @@ impl PixelBeam {
         (Some(id), shade.at(s, t, w, self.length_squared.at(s, t), lit))
     }
 
-    /// Overwrites `means` with jittered trials drawn from `streams`.
-    fn jittered_means(&self, strata: [u32; 2], streams: &[Stream], means: &mut [f64]) {
-        let settle = |list: &[Entry], s: f64, t: f64| {
-            self.nearest(list.iter().map(|entry| entry.facet), s, t).1 - self.ground
-        };
-        let mut work = Work::new(&settle);
-        let strata = Strata::new(strata);
-        means.fill(0.0);
-        simd::strata_sums(self.isa, &self.pixel32, &strata, streams, &mut work, means);
-        let n = f64::from(strata.per_axis[0]) * f64::from(strata.per_axis[1]);
-        for mean in means {
-            *mean = self.ground + *mean / n;
-        }
+    /// Settles what f32 leaves in doubt.
+    fn settle(&self, list: &[Entry], s: f64, t: f64) -> f64 {
+        self.nearest(list.iter().map(|entry| entry.facet), s, t).1 - self.ground
+    }
+
+    fn cells(&self) -> &Cells {
+        /// Facets that are tried one after the other at every sample: sorting samples into
+        /// cells costs more.
+        const FEW: usize = 3;
+        self.cells.get_or_init(|| {
+            let per_axis = if self.facets.len() <= FEW { 1 } else { 16 };
+            simd::cells(self.isa, &self.pixel32, per_axis)
+        })
     }
 }
 
@@ -149,11 +162,26 @@ impl Integrand for PixelBeam {
     fn dim(&self) -> usize {
         2
     }
+
     fn axes(&self) -> Vec<String> {
         vec!["pixel_x".into(), "pixel_y".into()]
     }
+
     fn eval(&self, point: &[f64]) -> f64 {
         self.exact_sample(point[0], point[1]).1
+    }
+
+    /// Evaluates at the f32 numbers next to each point's offset from the pixel's centre.
+    fn eval_block(&self, points: &[f64], values: &mut [f64]) {
+        let axis = |axis: usize| points.chunks_exact(2).map(move |p| (p[axis] - 0.5) as f32);
+        let (s, t): (Vec<f32>, Vec<f32>) = (axis(0).collect(), axis(1).collect());
+        let mut found = vec![0.0; values.len()];
+        let settle = |list: &[Entry], s: f64, t: f64| self.settle(list, s, t);
+        let positions = [&s[..], &t[..]];
+        simd::values_at(self.isa, &self.pixel32, self.cells(), positions, &mut found, &settle);
+        for (value, found) in values.iter_mut().zip(found) {
+            *value = self.ground + f64::from(found);
+        }
     }
 
     fn trial_means(
@@ -165,15 +193,31 @@ impl Integrand for PixelBeam {
     ) -> bool {
         /// Strata per axis up to which f32 positions leave no mark on the variance.
         const MAX_STRATA: u64 = 4096;
-        let strata = strata_per_axis(set.key.n_samples, 2);
-        if sampler.name() != "jittered" || strata.iter().any(|k| *k > MAX_STRATA) {
-            return false;
-        }
+        let n = set.key.n_samples;
+        let (isa, pixel) = (self.isa, &self.pixel32);
+        let settle = |list: &[Entry], s: f64, t: f64| self.settle(list, s, t);
         let streams: Vec<_> = (first_trial..)
             .take(means.len())
             .map(|trial| StreamKey { trial, ..set.key }.stream())
             .collect();
-        self.jittered_means([strata[0] as u32, strata[1] as u32], &streams, means);
+        match sampler.name() {
+            "jittered" => {
+                let strata = strata_per_axis(n, 2);
+                if strata.iter().any(|k| *k > MAX_STRATA) {
+                    return false;
+                }
+                let strata = Strata::new([strata[0] as u32, strata[1] as u32]);
+                simd::strata_sums(isa, pixel, &strata, &streams, means, &settle);
+            }
+            "random" => {
+                let Ok(n) = u32::try_from(n) else { return false };
+                simd::random_sums(isa, pixel, self.cells(), n, &streams, means, &settle);
+            }
+            _ => return false,
+        }
+        for mean in means {
+            *mean = self.ground + *mean / n as f64;
+        }
         true
     }
 }
@@ -187,7 +231,7 @@ fn visible_facets(scene: &Scene, bvh: &Bvh2, centred: &CentredFrame) -> Vec<Face
     let mut horizon = 0.0;
     gather(bvh, &frustum, |leaf| {
         for &id in leaf {
-            let Some(facet) = Facet::new(&scene.mesh, id, eye, centred) else { continue };
+            let Some(facet) = Facet::new(&scene.mesh, id, eye, centred, &frustum) else { continue };
             let [lo, hi] = facet.inverse_depth_range();
             if hi < horizon * (1.0 - 1e-9) {
                 continue;

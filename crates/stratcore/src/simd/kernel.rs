@@ -7,8 +7,9 @@
 
 use super::types::Exact;
 use super::vector::{MAX_LANES, Vector};
-use super::{Entry, Facet32, Ground, Lanes4, Pixel32, Rect, Strata, Work};
+use super::{Cells, Entry, Facet32, Ground, Lanes4, Pixel32, Rect, Strata, Work};
 use crate::rng::Stream;
+use std::marker::PhantomData;
 
 /// A sample's inside test or depth comparison closer than this, in f32 units of functions whose
 /// largest coefficient is 1, is settled again in f64. Rounding of three coefficients and two
@@ -143,19 +144,32 @@ fn first_step(word: u32) -> u32 {
     word.wrapping_mul(1_664_525).wrapping_add(1_013_904_223)
 }
 
-/// Adds to each trial's sum the values of its samples in all strata: one sample per stratum.
+/// What fills a rectangle of strata.
+pub(super) enum Fill<'a> {
+    /// One facet, wholly lit or wholly in shadow; none: the background.
+    Uniform { facet: Option<u32>, lit: bool },
+    /// Several candidates, in a single stratum; with the occluders that they index.
+    Mixed { list: &'a [Entry], occluders: &'a [u32] },
+}
+
+/// Is shown what fills each rectangle. A trait and not a closure: a closure would be compiled
+/// without the kernels' instruction set.
+pub(super) trait Visit {
+    fn visit(&mut self, pixel: &Pixel32, strata: &Strata, rect: &Rect, fill: Fill<'_>);
+}
+
+/// Cuts the pixel into rectangles of strata and shows `visitor` what fills each.
 ///
-/// Rectangles of strata are halved, and the list of facets filtered for each half, until one
-/// facet covers the rectangle, or it is a single stratum.
+/// Rectangles are halved, and the list of facets filtered for each half, until one facet covers
+/// the rectangle or it is a single stratum.
 #[inline(always)]
-pub(super) fn strata_sums<S: Shader, V: Vector>(
+pub(super) fn dissect<S: Shader, V: Vector>(
     pixel: &Pixel32,
     strata: &Strata,
-    groups: &mut [Group<V>],
-    work: &mut Work<'_>,
+    work: &mut Work,
+    visitor: &mut impl Visit,
 ) {
-    let Work { entries, occluders, stack, exact } = work;
-    let exact = *exact;
+    let Work { entries, occluders, stack } = work;
     entries.clear();
     occluders.clear();
     stack.clear();
@@ -177,24 +191,57 @@ pub(super) fn strata_sums<S: Shader, V: Vector>(
         let first = entries.len();
         let covered = filter::<S, V>(pixel, strata, &rect, entries, occluders);
         let list = &entries[first..];
-        let uniform = match list {
-            [] => Some(&pixel.ground.background),
+        match list {
+            [] => visitor.visit(pixel, strata, &rect, Fill::Uniform { facet: None, lit: true }),
             [only] if covered && (!S::SHADOWS || only.is_settled()) => {
-                Some(&pixel.facets[only.facet as usize])
+                let fill = Fill::Uniform { facet: Some(only.facet), lit: !only.shadowed };
+                visitor.visit(pixel, strata, &rect, fill);
             }
-            _ => None,
-        };
-        if let Some(facet) = uniform {
-            let lit = list.first().is_none_or(|only| !only.shadowed);
-            fill_rect::<S, V>(pixel, strata, &rect, facet, lit, groups);
-        } else if rect.is_single() {
-            sample_stratum::<S, V>(pixel, strata, &rect, list, occluders, groups, exact);
-        } else {
-            let entries = [first as u32, entries.len() as u32];
-            let n_occluders = occluders.len() as u32;
-            let [a, b] = rect.halves();
-            stack.push(Rect { entries, n_occluders, ..b });
-            stack.push(Rect { entries, n_occluders, ..a });
+            _ if rect.is_single() => {
+                visitor.visit(pixel, strata, &rect, Fill::Mixed { list, occluders });
+            }
+            _ => {
+                let entries = [first as u32, entries.len() as u32];
+                let n_occluders = occluders.len() as u32;
+                let [a, b] = rect.halves();
+                stack.push(Rect { entries, n_occluders, ..b });
+                stack.push(Rect { entries, n_occluders, ..a });
+            }
+        }
+    }
+}
+
+/// Adds to each trial's sum the values of its samples in all strata: one sample per stratum.
+#[inline(always)]
+pub(super) fn strata_sums<S: Shader, V: Vector>(
+    pixel: &Pixel32,
+    strata: &Strata,
+    groups: &mut [Group<V>],
+    work: &mut Work,
+    exact: Exact<'_>,
+) {
+    let mut sums = StrataSums::<S, V> { groups, exact, shader: PhantomData };
+    dissect::<S, V>(pixel, strata, work, &mut sums);
+}
+
+struct StrataSums<'a, S, V: Vector> {
+    groups: &'a mut [Group<V>],
+    exact: Exact<'a>,
+    shader: PhantomData<S>,
+}
+
+impl<S: Shader, V: Vector> Visit for StrataSums<'_, S, V> {
+    #[inline(always)]
+    fn visit(&mut self, pixel: &Pixel32, strata: &Strata, rect: &Rect, fill: Fill<'_>) {
+        match fill {
+            Fill::Uniform { facet, lit } => {
+                let facet = pixel.facet(facet);
+                fill_rect::<S, V>(pixel, strata, rect, facet, lit, self.groups);
+            }
+            Fill::Mixed { list, occluders } => {
+                let (groups, exact) = (&mut *self.groups, self.exact);
+                sample_stratum::<S, V>(pixel, strata, rect, list, occluders, groups, exact);
+            }
         }
     }
 }
@@ -271,9 +318,8 @@ fn fill_rect<S: Shader, V: Vector>(
     groups: &mut [Group<V>],
 ) {
     if facet.is_flat || (S::SHADOWS && !lit) {
-        let gain = if facet.is_flat && lit { facet.shade_gain[0] } else { 0.0 };
-        let value = f64::from(facet.shade[0] + gain);
-        let sum = value * f64::from((rect.i[1] - rect.i[0]) * (rect.j[1] - rect.j[0]));
+        let sum = f64::from(facet.flat_value(lit))
+            * f64::from((rect.i[1] - rect.i[0]) * (rect.j[1] - rect.j[0]));
         if sum != 0.0 {
             for group in groups {
                 group.sum = V::sum_add_all(group.sum, sum);
@@ -368,6 +414,127 @@ pub(super) fn visible<S: Shader, V: Vector>(
         value = settle(V::mask_bits(doubt), list, value, s, t, exact);
     }
     value
+}
+
+/// The dissection of the pixel into a fixed grid, for samples that may lie anywhere.
+#[inline(always)]
+pub(super) fn cells<S: Shader, V: Vector>(pixel: &Pixel32, per_axis: u32) -> Cells {
+    let strata = Strata::new([per_axis; 2]);
+    let mut cells = Cells::new(per_axis);
+    dissect::<S, V>(pixel, &strata, &mut Work::default(), &mut cells);
+    cells
+}
+
+impl Visit for Cells {
+    #[inline(always)]
+    fn visit(&mut self, _: &Pixel32, strata: &Strata, rect: &Rect, fill: Fill<'_>) {
+        for j in rect.j[0]..rect.j[1] {
+            for i in rect.i[0]..rect.i[1] {
+                self.set(strata.index(i, j), &fill);
+            }
+        }
+    }
+}
+
+/// Values of samples within one cell.
+#[inline(always)]
+fn in_cell<S: Shader, V: Vector>(
+    pixel: &Pixel32,
+    cells: &Cells,
+    cell: u32,
+    s: V,
+    t: V,
+    exact: Exact<'_>,
+) -> V {
+    match cells.fill(cell) {
+        Fill::Uniform { facet, lit } => {
+            let facet = pixel.facet(facet);
+            if facet.is_flat || (S::SHADOWS && !lit) {
+                return V::splat(facet.flat_value(lit));
+            }
+            let w = affine(&facet.lanes, 3, s, t);
+            S::shade(&pixel.ground, facet, s, t, w, V::mask_all())
+        }
+        Fill::Mixed { list, occluders } => visible::<S, V>(pixel, list, occluders, s, t, exact),
+    }
+}
+
+/// Overwrites `values` with those at positions (s, t) about the pixel's centre, in any order.
+/// Samples are sorted by cell first, so that a vector of them shares one list.
+#[inline(always)]
+pub(super) fn values_at<S: Shader, V: Vector>(
+    pixel: &Pixel32,
+    cells: &Cells,
+    positions: [&[f32]; 2],
+    values: &mut [f32],
+    exact: Exact<'_>,
+) {
+    let [s, t] = positions;
+    let mut order = vec![0u32; values.len()];
+    let ends = cells.sort(s, t, &mut order);
+    let mut start = 0;
+    for (cell, end) in (0..).zip(ends) {
+        for lanes in order[start as usize..end as usize].chunks(V::LANES) {
+            let (mut ls, mut lt) = ([0.0; MAX_LANES], [0.0; MAX_LANES]);
+            for (l, &at) in lanes.iter().enumerate() {
+                ls[l] = s[at as usize];
+                lt[l] = t[at as usize];
+            }
+            // Idle lanes repeat the first sample: it is certainly in the cell.
+            for l in lanes.len()..V::LANES {
+                ls[l] = ls[0];
+                lt[l] = lt[0];
+            }
+            let found =
+                in_cell::<S, V>(pixel, cells, cell, V::load(&ls), V::load(&lt), exact).store();
+            for (l, &at) in lanes.iter().enumerate() {
+                values[at as usize] = found[l];
+            }
+        }
+        start = end;
+    }
+}
+
+/// Adds to each trial's sum the values of `n` independent samples anywhere in the pixel.
+#[inline(always)]
+pub(super) fn random_sums<S: Shader, V: Vector>(
+    pixel: &Pixel32,
+    cells: &Cells,
+    n: u32,
+    groups: &mut [Group<V>],
+    exact: Exact<'_>,
+) {
+    /// Samples of a trial that are sorted together with its neighbours'.
+    const ROUND: u32 = 64;
+    let (step, origin) = ([1.0 / (1 << 24) as f32; 2], [-0.5; 2]);
+    for group in groups {
+        if cells.is_single() {
+            for index in 0..n {
+                let [s, t] = group.sample(index, step, origin);
+                let value = in_cell::<S, V>(pixel, cells, 0, s, t, exact);
+                group.sum = V::sum_add(group.sum, value);
+            }
+            continue;
+        }
+        let len = V::LANES * n.min(ROUND) as usize;
+        let [mut s, mut t, mut values] = [vec![0.0; len], vec![0.0; len], vec![0.0; len]];
+        let mut index = 0;
+        while index < n {
+            let end = n.min(index + ROUND);
+            let len = (end - index) as usize * V::LANES;
+            for (round, index) in (index..end).enumerate() {
+                let at = round * V::LANES;
+                let sample = group.sample(index, step, origin);
+                s[at..at + V::LANES].copy_from_slice(&sample[0].store()[..V::LANES]);
+                t[at..at + V::LANES].copy_from_slice(&sample[1].store()[..V::LANES]);
+            }
+            values_at::<S, V>(pixel, cells, [&s[..len], &t[..len]], &mut values[..len], exact);
+            for lanes in values[..len].chunks(V::LANES) {
+                group.sum = V::sum_add(group.sum, V::load(lanes));
+            }
+            index = end;
+        }
+    }
 }
 
 /// Puts the f64 answer in place of each doubtful lane's.

@@ -6,6 +6,7 @@
 
 #![expect(unsafe_code, reason = "calling a function compiled for a CPU feature is unsafe")]
 
+mod cells;
 mod kernel;
 mod types;
 mod vector;
@@ -14,7 +15,10 @@ mod x86;
 
 use crate::rng::Stream;
 
-pub(crate) use types::{Entry, Facet32, Ground, Lanes4, Pixel32, Rect, Shading, Strata, Work};
+pub(crate) use cells::Cells;
+pub(crate) use types::{
+    Entry, Exact, Facet32, Ground, Lanes4, Pixel32, Rect, Shading, Strata, Work,
+};
 
 /// An instruction set that this machine runs and for which the loops were compiled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,6 +71,20 @@ impl Isa {
     }
 }
 
+/// Calls a kernel, for one vector, with the shader of the pixel.
+macro_rules! shaded {
+    ($vector:ty, $kernel:ident($pixel:expr $(, $argument:expr)*)) => {
+        match $pixel.ground.shading {
+            Shading::Polynomial => kernel::$kernel::<Polynomial, $vector>($pixel $(, $argument)*),
+            Shading::WideHeadlight => {
+                kernel::$kernel::<WideHeadlight, $vector>($pixel $(, $argument)*)
+            }
+            Shading::Directional => kernel::$kernel::<Directional, $vector>($pixel $(, $argument)*),
+            Shading::Point => kernel::$kernel::<Point, $vector>($pixel $(, $argument)*),
+        }
+    };
+}
+
 /// Declares the kernels for one instruction set: the same bodies, `inline(always)`, under its
 /// target features and with its vector.
 macro_rules! compiled_for {
@@ -74,34 +92,56 @@ macro_rules! compiled_for {
         mod $module {
             use super::kernel::{self, Directional, Group, Point, Polynomial, WideHeadlight};
             use super::vector::Vector;
-            use super::{Pixel32, Shading, Strata, Stream, Work};
+            use super::{Cells, Exact, Pixel32, Shading, Strata, Stream, Work};
+
+            type V = $vector;
 
             #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
             pub(super) fn strata_sums(
                 pixel: &Pixel32,
                 strata: &Strata,
                 streams: &[Stream],
-                work: &mut Work<'_>,
                 sums: &mut [f64],
+                exact: Exact<'_>,
             ) {
-                type V = $vector;
                 let mut groups: Vec<Group<V>> = streams.chunks(V::LANES).map(Group::new).collect();
-                let g = &mut groups;
-                match pixel.ground.shading {
-                    Shading::Polynomial => {
-                        kernel::strata_sums::<Polynomial, V>(pixel, strata, g, work);
-                    }
-                    Shading::WideHeadlight => {
-                        kernel::strata_sums::<WideHeadlight, V>(pixel, strata, g, work);
-                    }
-                    Shading::Directional => {
-                        kernel::strata_sums::<Directional, V>(pixel, strata, g, work);
-                    }
-                    Shading::Point => kernel::strata_sums::<Point, V>(pixel, strata, g, work),
-                }
+                let mut work = Work::default();
+                shaded!(V, strata_sums(pixel, strata, &mut groups, &mut work, exact));
                 for (sums, group) in sums.chunks_mut(V::LANES).zip(&groups) {
                     sums.copy_from_slice(&V::sum_store(group.sum)[..sums.len()]);
                 }
+            }
+
+            #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
+            pub(super) fn random_sums(
+                pixel: &Pixel32,
+                cells: &Cells,
+                n: u32,
+                streams: &[Stream],
+                sums: &mut [f64],
+                exact: Exact<'_>,
+            ) {
+                let mut groups: Vec<Group<V>> = streams.chunks(V::LANES).map(Group::new).collect();
+                shaded!(V, random_sums(pixel, cells, n, &mut groups, exact));
+                for (sums, group) in sums.chunks_mut(V::LANES).zip(&groups) {
+                    sums.copy_from_slice(&V::sum_store(group.sum)[..sums.len()]);
+                }
+            }
+
+            #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
+            pub(super) fn values_at(
+                pixel: &Pixel32,
+                cells: &Cells,
+                positions: [&[f32]; 2],
+                values: &mut [f32],
+                exact: Exact<'_>,
+            ) {
+                shaded!(V, values_at(pixel, cells, positions, values, exact));
+            }
+
+            #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
+            pub(super) fn cells(pixel: &Pixel32, per_axis: u32) -> Cells {
+                shaded!(V, cells(pixel, per_axis))
             }
         }
     };
@@ -113,6 +153,23 @@ compiled_for!(avx2, "avx2,fma", crate::simd::x86::Avx2);
 #[cfg(target_arch = "x86_64")]
 compiled_for!(avx512, "avx512f,avx512vl,avx512dq,avx2,fma", crate::simd::x86::Avx512);
 
+/// Calls a kernel in the form compiled for an instruction set.
+macro_rules! dispatch {
+    ($isa:expr, $kernel:ident($($argument:expr),*)) => {
+        match $isa.0 {
+            // SAFETY: SSE2 is part of x86-64; elsewhere the function asks for no feature.
+            #[allow(unused_unsafe, reason = "safe to call where the feature is the target's own")]
+            Kind::Baseline => unsafe { baseline::$kernel($($argument),*) },
+            // SAFETY: `Kind::Avx2` is made by `Isa::available` alone, which saw the features.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2 => unsafe { avx2::$kernel($($argument),*) },
+            // SAFETY: `Kind::Avx512` likewise.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512 => unsafe { avx512::$kernel($($argument),*) },
+        }
+    };
+}
+
 /// Overwrites `sums[t]` with the sum over the samples that trial t draws from `streams[t]`: one
 /// in each stratum.
 pub(crate) fn strata_sums(
@@ -120,18 +177,38 @@ pub(crate) fn strata_sums(
     pixel: &Pixel32,
     strata: &Strata,
     streams: &[Stream],
-    work: &mut Work<'_>,
     sums: &mut [f64],
+    exact: Exact<'_>,
 ) {
-    match isa.0 {
-        // SAFETY: SSE2 is part of x86-64; elsewhere the function asks for no feature.
-        #[allow(unused_unsafe, reason = "safe to call where the feature is the target's own")]
-        Kind::Baseline => unsafe { baseline::strata_sums(pixel, strata, streams, work, sums) },
-        // SAFETY: `Kind::Avx2` is made by `Isa::available` alone, which saw the features.
-        #[cfg(target_arch = "x86_64")]
-        Kind::Avx2 => unsafe { avx2::strata_sums(pixel, strata, streams, work, sums) },
-        // SAFETY: as above.
-        #[cfg(target_arch = "x86_64")]
-        Kind::Avx512 => unsafe { avx512::strata_sums(pixel, strata, streams, work, sums) },
-    }
+    dispatch!(isa, strata_sums(pixel, strata, streams, sums, exact));
+}
+
+/// The same for `n` samples anywhere in the pixel.
+pub(crate) fn random_sums(
+    isa: Isa,
+    pixel: &Pixel32,
+    cells: &Cells,
+    n: u32,
+    streams: &[Stream],
+    sums: &mut [f64],
+    exact: Exact<'_>,
+) {
+    dispatch!(isa, random_sums(pixel, cells, n, streams, sums, exact));
+}
+
+/// Overwrites `values` with those at positions (s, t) about the pixel's centre.
+pub(crate) fn values_at(
+    isa: Isa,
+    pixel: &Pixel32,
+    cells: &Cells,
+    positions: [&[f32]; 2],
+    values: &mut [f32],
+    exact: Exact<'_>,
+) {
+    dispatch!(isa, values_at(pixel, cells, positions, values, exact));
+}
+
+/// What fills each cell of a grid over the pixel.
+pub(crate) fn cells(isa: Isa, pixel: &Pixel32, per_axis: u32) -> Cells {
+    dispatch!(isa, cells(pixel, per_axis))
 }

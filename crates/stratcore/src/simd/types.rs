@@ -32,6 +32,14 @@ pub(crate) struct Facet32 {
     pub occluders: Range<u32>,
 }
 
+impl Facet32 {
+    /// The value of a facet that is flat, or in shadow.
+    #[inline(always)]
+    pub(super) fn flat_value(&self, lit: bool) -> f32 {
+        self.shade[0] + if lit && self.is_flat { self.shade_gain[0] } else { 0.0 }
+    }
+}
+
 /// How radiance depends on the sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Shading {
@@ -58,6 +66,14 @@ pub(crate) struct Pixel32 {
     pub facets: Vec<Facet32>,
     pub occluders: Vec<Lanes4>,
     pub ground: Ground,
+}
+
+impl Pixel32 {
+    /// A facet, or the background.
+    #[inline(always)]
+    pub(super) fn facet(&self, facet: Option<u32>) -> &Facet32 {
+        facet.map_or(&self.ground.background, |id| &self.facets[id as usize])
+    }
 }
 
 /// A candidate facet, with a run of the work list's occluders.
@@ -151,15 +167,9 @@ impl Strata {
 pub(crate) type Exact<'a> = &'a dyn Fn(&[Entry], f64, f64) -> f64;
 
 /// Lists that the kernels keep while they work.
-pub(crate) struct Work<'a> {
+#[derive(Default)]
+pub(crate) struct Work {
     pub(super) entries: Vec<Entry>,
     pub(super) occluders: Vec<u32>,
     pub(super) stack: Vec<Rect>,
-    pub(super) exact: Exact<'a>,
-}
-
-impl<'a> Work<'a> {
-    pub fn new(exact: Exact<'a>) -> Self {
-        Self { entries: Vec::new(), occluders: Vec::new(), stack: Vec::new(), exact }
-    }
 }
