@@ -99,8 +99,8 @@ struct Face {
     start: f64,
     /// Range of n·u on the face.
     span: f64,
-    /// Per free axis, the step to the number of this face's own face at u = 0; that at u = 1
-    /// is one step further.
+    /// One per free axis: this face's number plus one step is the number of its own face at
+    /// u = 0, plus two steps of that at u = 1.
     steps: Vec<usize>,
 }
 
