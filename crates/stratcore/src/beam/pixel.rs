@@ -9,7 +9,9 @@ use crate::integrand::Integrand;
 use crate::rng::StreamKey;
 use crate::sampler::{PointSet, Sampler, strata_per_axis};
 use crate::scene::{Channel, Light, Scene};
-use crate::simd::{self, Cells, Entry, Facet32, Ground, Isa, Lanes4, Pixel32, Shading, Strata};
+use crate::simd::{
+    self, Cells, Entry, Facet32, Ground, Isa, Lanes4, Pixel32, Placement, Shading, Strata,
+};
 use obvhs::bvh2::Bvh2;
 use std::sync::OnceLock;
 
@@ -108,6 +110,7 @@ impl PixelBeam {
         self
     }
 
+    pub fn stats(&self,k:u32)->(usize,usize,usize){ simd::cells(self.isa,&self.pixel32,k).stats() }
     /// Triangles that may be seen in the pixel.
     pub fn n_facets(&self) -> usize {
         self.facets.len()
@@ -152,7 +155,7 @@ impl PixelBeam {
         /// cells costs more.
         const FEW: usize = 3;
         self.cells.get_or_init(|| {
-            let per_axis = if self.facets.len() <= FEW { 1 } else { 16 };
+            let per_axis = if self.facets.len() <= FEW { 1 } else { axis() };
             simd::cells(self.isa, &self.pixel32, per_axis)
         })
     }
@@ -207,11 +210,17 @@ impl Integrand for PixelBeam {
                     return false;
                 }
                 let strata = Strata::new([strata[0] as u32, strata[1] as u32]);
-                simd::strata_sums(isa, pixel, &strata, &streams, means, &settle);
+                if self.facets.len() > many() {
+                    let (cells, placement) = (self.cells(), Placement::Strata(&strata));
+                    simd::scattered_sums(isa, pixel, cells, &placement, &streams, means, &settle);
+                } else {
+                    simd::strata_sums(isa, pixel, &strata, &streams, means, &settle);
+                }
             }
             "random" => {
                 let Ok(n) = u32::try_from(n) else { return false };
-                simd::random_sums(isa, pixel, self.cells(), n, &streams, means, &settle);
+                let (cells, placement) = (self.cells(), Placement::Anywhere(n));
+                simd::scattered_sums(isa, pixel, cells, &placement, &streams, means, &settle);
             }
             _ => return false,
         }
@@ -264,4 +273,11 @@ pub(super) fn lanes(functions: [Affine; 4]) -> Lanes4 {
         s: functions.map(|f| f.s as f32),
         t: functions.map(|f| f.t as f32),
     }
+}
+
+fn many() -> usize {
+    std::env::var("MANY").ok().and_then(|x| x.parse().ok()).unwrap_or(64)
+}
+fn axis() -> u32 {
+    std::env::var("AXIS").ok().and_then(|x| x.parse().ok()).unwrap_or(16)
 }

@@ -460,18 +460,20 @@ fn in_cell<S: Shader, V: Vector>(
 }
 
 /// Overwrites `values` with those at positions (s, t) about the pixel's centre, in any order.
-/// Samples are sorted by cell first, so that a vector of them shares one list.
+/// Samples are sorted by cell first, so that a vector of them shares one list; `order` is room
+/// for that.
 #[inline(always)]
 pub(super) fn values_at<S: Shader, V: Vector>(
     pixel: &Pixel32,
     cells: &Cells,
     positions: [&[f32]; 2],
     values: &mut [f32],
+    order: &mut [u32],
     exact: Exact<'_>,
 ) {
     let [s, t] = positions;
-    let mut order = vec![0u32; values.len()];
-    let ends = cells.sort(s, t, &mut order);
+    let order = &mut order[..values.len()];
+    let ends = cells.sort(s, t, order);
     let mut start = 0;
     for (cell, end) in (0..).zip(ends) {
         for lanes in order[start as usize..end as usize].chunks(V::LANES) {
@@ -495,44 +497,82 @@ pub(super) fn values_at<S: Shader, V: Vector>(
     }
 }
 
-/// Adds to each trial's sum the values of `n` independent samples anywhere in the pixel.
+/// Adds to each trial's sum the values of its samples at `n` positions of `place`, which may lie
+/// anywhere.
 #[inline(always)]
-pub(super) fn random_sums<S: Shader, V: Vector>(
+pub(super) fn scattered_sums<S: Shader, V: Vector>(
     pixel: &Pixel32,
     cells: &Cells,
-    n: u32,
+    placement: &Placement<'_>,
     groups: &mut [Group<V>],
+    n_trials: usize,
     exact: Exact<'_>,
 ) {
-    /// Samples of a trial that are sorted together with its neighbours'.
-    const ROUND: u32 = 64;
-    let (step, origin) = ([1.0 / (1 << 24) as f32; 2], [-0.5; 2]);
-    for group in groups {
-        if cells.is_single() {
+    /// Samples that are sorted together.
+    const ROUND: usize = 1 << 14;
+    let n = placement.len();
+    if cells.is_single() {
+        for group in groups {
             for index in 0..n {
-                let [s, t] = group.sample(index, step, origin);
+                let [s, t] = placement.sample(group, index);
                 let value = in_cell::<S, V>(pixel, cells, 0, s, t, exact);
                 group.sum = V::sum_add(group.sum, value);
             }
-            continue;
         }
-        let len = V::LANES * n.min(ROUND) as usize;
-        let [mut s, mut t, mut values] = [vec![0.0; len], vec![0.0; len], vec![0.0; len]];
+        return;
+    }
+    let capacity = ROUND.min(n as usize * V::LANES);
+    let [mut s, mut t, mut values] =
+        [vec![0.0; capacity], vec![0.0; capacity], vec![0.0; capacity + V::LANES]];
+    let mut order = vec![0; capacity];
+    for (first_trial, group) in (0..n_trials).step_by(V::LANES).zip(groups) {
+        // Lanes without a trial are not evaluated.
+        let lanes = V::LANES.min(n_trials - first_trial);
+        let per_round = (capacity / lanes) as u32;
         let mut index = 0;
         while index < n {
-            let end = n.min(index + ROUND);
-            let len = (end - index) as usize * V::LANES;
-            for (round, index) in (index..end).enumerate() {
-                let at = round * V::LANES;
-                let sample = group.sample(index, step, origin);
-                s[at..at + V::LANES].copy_from_slice(&sample[0].store()[..V::LANES]);
-                t[at..at + V::LANES].copy_from_slice(&sample[1].store()[..V::LANES]);
+            let end = n.min(index + per_round);
+            let len = (end - index) as usize * lanes;
+            for (at, index) in (0..len).step_by(lanes).zip(index..end) {
+                let [ps, pt] = placement.sample(group, index);
+                s[at..at + lanes].copy_from_slice(&ps.store()[..lanes]);
+                t[at..at + lanes].copy_from_slice(&pt.store()[..lanes]);
             }
-            values_at::<S, V>(pixel, cells, [&s[..len], &t[..len]], &mut values[..len], exact);
-            for lanes in values[..len].chunks(V::LANES) {
-                group.sum = V::sum_add(group.sum, V::load(lanes));
+            let positions = [&s[..len], &t[..len]];
+            values_at::<S, V>(pixel, cells, positions, &mut values[..len], &mut order, exact);
+            for at in (0..len).step_by(lanes) {
+                group.sum = V::sum_add(group.sum, V::load(&values[at..at + V::LANES]));
             }
             index = end;
+        }
+    }
+}
+
+/// Where the samples of a trial lie.
+pub(crate) enum Placement<'a> {
+    /// This many, anywhere in the pixel.
+    Anywhere(u32),
+    /// One in each stratum.
+    Strata(&'a Strata),
+}
+
+impl Placement<'_> {
+    #[inline(always)]
+    fn len(&self) -> u32 {
+        match self {
+            Self::Anywhere(n) => *n,
+            Self::Strata(strata) => strata.per_axis[0] * strata.per_axis[1],
+        }
+    }
+
+    #[inline(always)]
+    fn sample<V: Vector>(&self, group: &Group<V>, index: u32) -> [V; 2] {
+        match self {
+            Self::Anywhere(_) => group.sample(index, [1.0 / (1 << 24) as f32; 2], [-0.5; 2]),
+            Self::Strata(strata) => {
+                let [i, j] = [index % strata.per_axis[0], index / strata.per_axis[0]];
+                group.sample(index, strata.step, strata.origin(i, j))
+            }
         }
     }
 }

@@ -16,6 +16,7 @@ mod x86;
 use crate::rng::Stream;
 
 pub(crate) use cells::Cells;
+pub(crate) use kernel::Placement;
 pub(crate) use types::{
     Entry, Exact, Facet32, Ground, Lanes4, Pixel32, Rect, Shading, Strata, Work,
 };
@@ -92,7 +93,7 @@ macro_rules! compiled_for {
         mod $module {
             use super::kernel::{self, Directional, Group, Point, Polynomial, WideHeadlight};
             use super::vector::Vector;
-            use super::{Cells, Exact, Pixel32, Shading, Strata, Stream, Work};
+            use super::{Cells, Exact, Pixel32, Placement, Shading, Strata, Stream, Work};
 
             type V = $vector;
 
@@ -113,16 +114,17 @@ macro_rules! compiled_for {
             }
 
             #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
-            pub(super) fn random_sums(
+            pub(super) fn scattered_sums(
                 pixel: &Pixel32,
                 cells: &Cells,
-                n: u32,
+                placement: &Placement<'_>,
                 streams: &[Stream],
                 sums: &mut [f64],
                 exact: Exact<'_>,
             ) {
                 let mut groups: Vec<Group<V>> = streams.chunks(V::LANES).map(Group::new).collect();
-                shaded!(V, random_sums(pixel, cells, n, &mut groups, exact));
+                let n_trials = streams.len();
+                shaded!(V, scattered_sums(pixel, cells, placement, &mut groups, n_trials, exact));
                 for (sums, group) in sums.chunks_mut(V::LANES).zip(&groups) {
                     sums.copy_from_slice(&V::sum_store(group.sum)[..sums.len()]);
                 }
@@ -136,7 +138,8 @@ macro_rules! compiled_for {
                 values: &mut [f32],
                 exact: Exact<'_>,
             ) {
-                shaded!(V, values_at(pixel, cells, positions, values, exact));
+                let mut order = vec![0; values.len()];
+                shaded!(V, values_at(pixel, cells, positions, values, &mut order, exact));
             }
 
             #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
@@ -183,17 +186,17 @@ pub(crate) fn strata_sums(
     dispatch!(isa, strata_sums(pixel, strata, streams, sums, exact));
 }
 
-/// The same for `n` samples anywhere in the pixel.
-pub(crate) fn random_sums(
+/// The same for samples of any placement, found through the pixel's cells.
+pub(crate) fn scattered_sums(
     isa: Isa,
     pixel: &Pixel32,
     cells: &Cells,
-    n: u32,
+    placement: &Placement<'_>,
     streams: &[Stream],
     sums: &mut [f64],
     exact: Exact<'_>,
 ) {
-    dispatch!(isa, random_sums(pixel, cells, n, streams, sums, exact));
+    dispatch!(isa, scattered_sums(pixel, cells, placement, streams, sums, exact));
 }
 
 /// Overwrites `values` with those at positions (s, t) about the pixel's centre.
