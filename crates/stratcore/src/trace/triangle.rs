@@ -56,15 +56,9 @@ impl Ray {
     }
 }
 
-/// D·(p×q), exactly opposite for (q, p).
+/// D·(p×q), of exact sign.
 #[inline]
 fn edge(d: DVec3, p: DVec3, q: DVec3) -> f64 {
-    let in_order = p.x < q.x || p.x == q.x && (p.y < q.y || p.y == q.y && p.z < q.z);
-    if in_order { ordered_edge(d, p, q) } else { -ordered_edge(d, q, p) }
-}
-
-#[inline]
-fn ordered_edge(d: DVec3, p: DVec3, q: DVec3) -> f64 {
     // p×q = p×(q-p), which cancels less.
     let along = q - p;
     let scale = one_norm(d) * one_norm(p) * one_norm(along);
