@@ -65,6 +65,10 @@ fn shapes_are_closed_and_turned_outward() {
         };
         let enclosed: f64 = (0..mesh.triangles.len()).map(signed).sum();
         assert!((enclosed / volume - 1.0).abs() <= tolerance, "{enclosed} {volume}");
+        for (id, normals) in mesh.corner_normals.iter().flatten().enumerate() {
+            let plane = mesh.area_normal(id).normalize();
+            assert!(normals.iter().all(|n| n.is_normalized() && n.dot(plane) > 0.98));
+        }
     }
 }
 
@@ -133,6 +137,9 @@ fn normals_count_only_where_they_are_asked_for() {
     let expected = [z, DVec3::Y, z];
     let scene = load_in(folder.path(), "s.toml").unwrap();
     assert_eq!(scene.mesh.corner_normals, Some(vec![expected]));
+    assert_eq!(load("edges").unwrap().mesh.corner_normals, None);
+    let round = model("edges").unwrap().mesh;
+    assert_eq!(round.corner_normals.unwrap().len(), round.triangles.len());
     let scene = load_in(folder.path(), "both.toml").unwrap();
     assert_eq!(scene.mesh.corner_normals, Some(vec![expected, [z; 3]]));
 }

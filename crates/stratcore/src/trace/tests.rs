@@ -254,8 +254,7 @@ fn point_and_directional_lights_follow_their_formulas_and_cast_shadows() {
 
 #[test]
 fn smooth_normals_shade_between_their_corners() {
-    let mut mesh = icosphere(2);
-    mesh.corner_normals = Some((0..mesh.triangles.len()).map(|id| mesh.corners(id)).collect());
+    let mesh = icosphere(2);
     let eye = dvec3(0.0, 0.0, 4.0);
     let scene = TracedScene::new(scene_of(mesh, eye, Light::Headlight));
     let mut random = random();
