@@ -149,7 +149,12 @@ impl MeshTable {
         let fault = match (&self.path, &self.builtin) {
             (Some(path), None) => return obj::read(&file.with_file_name(path), smooth, notes),
             (None, Some(name)) => match library::model(name) {
-                Some(model) => return Ok(model),
+                Some(mut model) => {
+                    if !smooth {
+                        model.mesh.corner_normals = None;
+                    }
+                    return Ok(model);
+                }
                 None => {
                     let known = library::MODELS.join(", ");
                     format!("no built-in mesh is called \"{name}\"; there are {known}")
