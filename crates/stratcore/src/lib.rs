@@ -19,6 +19,7 @@ pub mod sampler;
 pub mod scene;
 pub mod study;
 pub mod theory;
+pub mod trace;
 pub mod trial;
 pub mod variance;
 

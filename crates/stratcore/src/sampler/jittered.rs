@@ -40,6 +40,9 @@ impl Sampler for Jittered {
         let k = root_floor(n, dim);
         ((k >= 1).then(|| k.pow(dim as u32)), (k + 1).checked_pow(dim as u32))
     }
+    fn strata(&self, n: u64, dim: usize) -> Option<Vec<u64>> {
+        Some(strata_per_axis(n, dim))
+    }
     fn points(&self, set: &PointSet) -> Box<dyn Points> {
         let strata = strata_per_axis(set.key.n_samples, set.dim);
         let offsets = UniformPoints { stream: set.key.stream(), dim: set.dim };

@@ -101,6 +101,11 @@ pub trait Sampler: Send + Sync {
     fn admits(&self, n: u64, dim: usize, rectangular: bool) -> bool;
     /// The nearest admissible counts below and above an `n` that is not admissible.
     fn neighbours(&self, n: u64, dim: usize) -> (Option<u64>, Option<u64>);
+    /// Strata along each of the `dim` axes for an admissible `n`; none for a sampler without a
+    /// grid of strata.
+    fn strata(&self, _n: u64, _dim: usize) -> Option<Vec<u64>> {
+        None
+    }
     /// Makes the set ready. `set` has passed [`check`] and its N is admissible.
     fn points(&self, set: &PointSet) -> Box<dyn Points>;
 }

@@ -1,8 +1,13 @@
 //! What is looked at: triangles, Lambertian materials, one light, a camera.
 
 mod camera;
+mod error;
+mod file;
+pub mod library;
 
 pub use camera::{Camera, PixelFrame};
+pub use error::SceneError;
+pub use file::load;
 
 use glam::DVec3;
 
@@ -26,6 +31,8 @@ pub struct Scene {
     pub ambient: Rgb,
     /// Radiance where nothing is hit.
     pub background: Rgb,
+    /// What the loader had to assume, in words; empty as a rule.
+    pub notes: Vec<String>,
 }
 
 /// Indexed triangles, each with a material.

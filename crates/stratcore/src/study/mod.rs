@@ -9,10 +9,10 @@ pub use result::{Row, SamplerResult, StudyResult};
 use crate::error::StudyError;
 use crate::integrand::{Integrand, Regularity};
 use crate::rng::StreamKey;
-use crate::sampler::{CountPolicy, PointSet};
+use crate::sampler::{CountPolicy, PointSet, Scramble};
 use crate::theory::{Class, predicted_exponent};
 use crate::trial::trial_means;
-use crate::variance::spread;
+use crate::variance::{Spread, spread};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -141,7 +141,19 @@ fn study_sampler(
             let sampler = choice.sampler.name();
             return Err(StudyError::NonFinite { pixel, sampler, n: n_used, trial, mean });
         }
-        rows.push(Row::new(n, n_used, spread(&means), ns_per_sample));
+        let Spread { grand_mean, variance_of_mean, ci95: [lo, hi], var_ln } = spread(&means);
+        rows.push(Row {
+            n,
+            n_used,
+            grand_mean,
+            variance_of_mean,
+            lo,
+            hi,
+            var_ln,
+            exact_variance: exact_variance(integrand, choice, n_used),
+            strata: set.rectangular.then(|| choice.sampler.strata(n_used, set.dim)).flatten(),
+            ns_per_sample,
+        });
     }
     Ok(summarise(integrand, choice, rows))
 }
@@ -175,6 +187,13 @@ fn row_means(
         (clock() - start).as_nanos() as f64 / (f64::from(n_trials) * n as f64)
     });
     Ok((means, ns_per_sample))
+}
+
+/// The closed form's variance, for the point sets that [`Integrand::exact_variance`] speaks of.
+fn exact_variance(integrand: &dyn Integrand, choice: SamplerChoice, n: u64) -> Option<f64> {
+    let plain =
+        choice.scramble == Scramble::None && choice.sampler.admits(n, integrand.dim(), false);
+    plain.then(|| integrand.exact_variance(choice.sampler.name(), n)).flatten()
 }
 
 fn summarise(integrand: &dyn Integrand, choice: SamplerChoice, rows: Vec<Row>) -> SamplerResult {

@@ -69,16 +69,15 @@ pub struct Row {
     pub hi: f64,
     /// Variance of ln s².
     pub var_ln: f64,
+    /// The variance that a closed form gives at this N, where the integrand has one.
+    pub exact_variance: Option<f64>,
+    /// Strata along each axis, where rectangular ones were allowed and the sampler has strata.
+    pub strata: Option<Vec<u64>>,
     /// Machine time per sample, generation and evaluation, where the caller lent a clock.
     pub ns_per_sample: Option<f64>,
 }
 
 impl Row {
-    pub(super) fn new(n: u64, n_used: u64, spread: Spread, ns_per_sample: Option<f64>) -> Self {
-        let Spread { grand_mean, variance_of_mean, ci95: [lo, hi], var_ln } = spread;
-        Self { n, n_used, grand_mean, variance_of_mean, lo, hi, var_ln, ns_per_sample }
-    }
-
     /// The row's spread, as a fit wants it.
     pub fn spread(&self) -> Spread {
         Spread {

@@ -1,0 +1,91 @@
+//! The command line as it is typed: words only; [`plan`](crate::plan) gives them meaning.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// How fast does a pixel's estimate converge, and why?
+#[derive(Debug, Parser)]
+#[command(name = "stratcli", version, arg_required_else_help = true)]
+pub struct Cli {
+    #[command(flatten)]
+    pub common: Common,
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What every command takes.
+#[derive(Debug, Clone, Args)]
+pub struct Common {
+    /// Seed of all randomness: the same seed gives the same bytes
+    #[arg(long, global = true, value_name = "SEED", default_value_t = 1996)]
+    pub seed: u64,
+    /// Threads to compute with, 1 to 1024 [default: one per core]; no result depends on it
+    #[arg(long, global = true, value_name = "T", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// One JSON document on standard output instead of text
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// No progress bar and no remarks: results and errors only
+    #[arg(long, global = true)]
+    pub quiet: bool,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Names that can be typed, each with one line of help
+    List(ListArgs),
+    /// A completion script for a shell
+    Completions(CompletionsArgs),
+}
+
+#[derive(Debug, Args)]
+pub struct ListArgs {
+    /// Only these; everything unless told
+    pub what: Option<Listed>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Listed {
+    Samplers,
+    Integrands,
+    Scenes,
+}
+
+#[derive(Debug, Args)]
+pub struct CompletionsArgs {
+    /// The shell that is to complete commands
+    pub shell: clap_complete::Shell,
+}
+
+/// How a study is made, whatever it is of.
+#[derive(Debug, Args)]
+pub struct StudyArgs {
+    /// Samplers to compare (see `stratcli list samplers`)
+    #[arg(long, value_name = "A,B", value_delimiter = ',', default_value = "random,jittered")]
+    pub samplers: Vec<String>,
+    /// Independent repeats of each estimate, M, at least 2
+    #[arg(long, value_name = "M", default_value_t = 50)]
+    pub trials: u32,
+    /// Sample counts N: 1..16^2 (1, 4, 9, …, 256), 2^0..2^12, or a list such as 1,4,16
+    /// [default: 1..16^2; 1..k^d in d > 2 dimensions, up to some 10,000]
+    #[arg(long, value_name = "COUNTS")]
+    pub counts: Option<String>,
+    /// What to do with an N that a sampler cannot make
+    #[arg(long, value_enum, value_name = "POLICY", default_value_t = NPolicy::Error)]
+    pub n_policy: NPolicy,
+    /// Exit with 1 unless the exponent (of jittered, else of the last sampler) is p ± tol
+    #[arg(long, value_name = "P:TOL", allow_hyphen_values = true)]
+    pub expect: Option<String>,
+    /// Measure the time per sample; rows then run one at a time, on one thread
+    #[arg(long)]
+    pub timing: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum NPolicy {
+    /// Refuse, and name the nearest N that exist
+    Error,
+    /// Use the nearest N that exists
+    Snap,
+    /// Unequal numbers of strata per axis, where the sampler has strata
+    Rect,
+}

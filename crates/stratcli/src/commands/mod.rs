@@ -1,0 +1,40 @@
+//! One file per command. Each reads its words, lets the library work, and writes the result.
+
+mod completions;
+mod list;
+
+use crate::cli::{Cli, Command};
+use anyhow::Result;
+use std::process::ExitCode;
+use stratcore::study::with_threads;
+
+/// How a command ended that could run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// All was done.
+    Done,
+    /// All was done, and a stated expectation did not hold.
+    ExpectationFailed,
+    /// Stopped by Ctrl-C; what was finished has been written.
+    Interrupted,
+}
+
+impl Outcome {
+    /// As the shell sees it.
+    pub fn exit_code(self) -> ExitCode {
+        ExitCode::from(match self {
+            Self::Done => 0,
+            Self::ExpectationFailed => 1,
+            Self::Interrupted => 130,
+        })
+    }
+}
+
+/// Runs the command with as many threads as asked for.
+pub fn run(cli: &Cli) -> Result<Outcome> {
+    let common = &cli.common;
+    with_threads(common.threads.map(usize::from), || match &cli.command {
+        Command::List(args) => list::run(args, common),
+        Command::Completions(args) => completions::run(args, common),
+    })
+}

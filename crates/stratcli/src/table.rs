@@ -1,0 +1,185 @@
+//! Results as text for people: columns, numbers, and the sentences below a table.
+
+use std::fmt::Write;
+use stratcore::StudyResult;
+use stratcore::fit::Fit;
+use stratcore::study::{Row, SamplerResult};
+use stratcore::theory::Class;
+
+/// Which side of a column its cells stand at.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Align {
+    Left,
+    Right,
+}
+
+/// Rows of cells, indented by two and in columns.
+pub fn columns(align: Align, rows: &[Vec<String>]) -> String {
+    let width_of = |cell: &String| cell.chars().count();
+    let n_columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let widths: Vec<_> = (0..n_columns)
+        .map(|i| rows.iter().filter_map(|row| row.get(i)).map(width_of).max().unwrap_or(0))
+        .collect();
+    let mut text = String::new();
+    for row in rows {
+        let mut line = String::new();
+        for (cell, &width) in row.iter().zip(&widths) {
+            line += &match align {
+                Align::Left => format!("  {cell:<width$}"),
+                Align::Right => format!("  {cell:>width$}"),
+            };
+        }
+        text += line.trim_end();
+        text.push('\n');
+    }
+    text
+}
+
+/// A number to `digits` significant digits: plain where that is short, scientific elsewhere.
+pub fn number(x: f64, digits: usize) -> String {
+    let scientific = format!("{x:.*e}", digits - 1);
+    let exponent = scientific.split_once('e').and_then(|(_, e)| e.parse::<i32>().ok());
+    match exponent {
+        Some(e) if x != 0.0 && (-3..6).contains(&e) => {
+            let decimals = usize::try_from(digits as i32 - 1 - e).unwrap_or(0);
+            format!("{x:.decimals$}")
+        }
+        Some(_) if x != 0.0 => scientific,
+        _ => format!("{x}"),
+    }
+}
+
+/// A value and its standard error, with as many decimals as show the error's first digit, but
+/// two at the least.
+pub fn with_error(value: f64, std_error: f64) -> String {
+    let first_digit = -std_error.log10().floor();
+    let decimals = if first_digit.is_finite() { first_digit.clamp(2.0, 9.0) as usize } else { 2 };
+    format!("{value:.decimals$} ± {std_error:.decimals$}")
+}
+
+/// A study: what was measured, then a table and its reading for each sampler.
+pub fn study(title: &str, result: &StudyResult) -> String {
+    let mut text = format!(
+        "{title}\nd = {} ({}), M = {} trials, seed {}\n",
+        result.dim,
+        result.axes.join(", "),
+        result.trials,
+        result.seed,
+    );
+    if let Some(reference) = result.reference {
+        let _ = match reference.std_error {
+            0.0 => writeln!(text, "reference mean {} (closed form)", reference.mean),
+            error => writeln!(text, "reference mean {} ± {}", reference.mean, number(error, 2)),
+        };
+    }
+    for sampler in &result.samplers {
+        let _ = write!(text, "\n{} (scramble: {})\n", sampler.name, sampler.scramble);
+        text += &rows(&sampler.rows);
+        text += &reading(sampler);
+    }
+    text
+}
+
+fn rows(rows: &[Row]) -> String {
+    let snapped = rows.iter().any(|row| row.n_used != row.n);
+    let strata = rows.iter().any(|row| row.strata.is_some());
+    let exact = rows.iter().any(|row| row.exact_variance.is_some());
+    let timed = rows.iter().any(|row| row.ns_per_sample.is_some());
+    let optional = |value: Option<f64>, digits| value.map_or("-".to_owned(), |x| number(x, digits));
+    let pick = |cells: [(bool, String); 8]| -> Vec<String> {
+        cells.into_iter().filter(|(shown, _)| *shown).map(|(_, cell)| cell).collect()
+    };
+    let header = pick([
+        (true, "N".to_owned()),
+        (snapped, "N used".to_owned()),
+        (strata, "strata".to_owned()),
+        (true, "mean".to_owned()),
+        (true, "variance of mean".to_owned()),
+        (true, "95 % interval".to_owned()),
+        (exact, "exact variance".to_owned()),
+        (timed, "ns/sample".to_owned()),
+    ]);
+    let body = rows.iter().map(|row| {
+        let strata_used = row.strata.iter().flatten().map(u64::to_string).collect::<Vec<_>>();
+        pick([
+            (true, row.n.to_string()),
+            (snapped, row.n_used.to_string()),
+            (strata, strata_used.join(" × ")),
+            (true, number(row.grand_mean, 6)),
+            (true, number(row.variance_of_mean, 4)),
+            (true, format!("{} to {}", number(row.lo, 3), number(row.hi, 3))),
+            (exact, optional(row.exact_variance, 4)),
+            (timed, optional(row.ns_per_sample, 3)),
+        ])
+    });
+    columns(Align::Right, &std::iter::once(header).chain(body).collect::<Vec<_>>())
+}
+
+/// The sentences below one sampler's table.
+fn reading(sampler: &SamplerResult) -> String {
+    let mut text = String::new();
+    let zero: Vec<_> = sampler.rows.iter().filter(|row| row.variance_of_mean == 0.0).collect();
+    if sampler.exact {
+        text += "  zero variance: every trial gave the same number at every N, so the estimate is \
+                 exact and has no exponent\n";
+    } else if !zero.is_empty() {
+        let counts = zero.iter().map(|row| row.n_used.to_string()).collect::<Vec<_>>();
+        let _ = writeln!(
+            text,
+            "  zero variance at N = {}: exact there; the fit is through the other rows",
+            counts.join(", ")
+        );
+    }
+    match (&sampler.fit, sampler.exact) {
+        (Some(fit), _) => {
+            let _ = writeln!(
+                text,
+                "  p = {} (95 %: {:.2} to {:.2}), N = {} to {}",
+                with_error(fit.exponent, fit.std_error),
+                fit.ci95[0],
+                fit.ci95[1],
+                fit.n_min,
+                fit.n_max,
+            );
+            if let Some(Fit { exponent, std_error, .. }) = sampler.fit_without_first {
+                let p = with_error(exponent, std_error);
+                let _ = writeln!(text, "  without the first point: p = {p}");
+            }
+        }
+        (None, false) => text += "  no fit: it needs two different N with a variance\n",
+        (None, true) => {}
+    }
+    if let Some(class) = sampler.class.filter(|class| *class != Class::Exact) {
+        let doubt = if sampler.class_is_sure { "" } else { ", but the interval reaches further" };
+        let _ = writeln!(text, "  class: {class}{doubt}");
+    }
+    if let Some(p) = sampler.predicted {
+        let _ = writeln!(text, "  predicted: p = {}", number(p, 4));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short_and_say_enough() {
+        assert_eq!(number(0.25, 3), "0.250");
+        assert_eq!(number(123_456.7, 4), "123457");
+        assert_eq!(number(1.5e-9, 2), "1.5e-9");
+        assert_eq!(number(0.0, 4), "0");
+        assert_eq!(number(-0.5, 2), "-0.50");
+        assert_eq!(number(f64::NAN, 4), "NaN");
+        assert_eq!(with_error(1.4893, 0.0334), "1.49 ± 0.03");
+        assert_eq!(with_error(1.489_34, 0.000_42), "1.4893 ± 0.0004");
+        assert_eq!(with_error(1.0, 0.0), "1.00 ± 0.00");
+    }
+
+    #[test]
+    fn columns_line_up_by_characters() {
+        let rows = [vec!["σ²".to_owned(), "b".to_owned()], vec!["1".to_owned(), "22".to_owned()]];
+        assert_eq!(columns(Align::Right, &rows), "  σ²   b\n   1  22\n");
+        assert_eq!(columns(Align::Left, &rows), "  σ²  b\n  1   22\n");
+    }
+}

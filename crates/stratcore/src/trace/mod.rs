@@ -1,0 +1,12 @@
+//! Rays against triangles: the general path, exact in f64.
+
+mod accel;
+mod exact;
+mod integrand;
+mod tracer;
+mod triangle;
+
+pub use accel::Accel;
+pub use integrand::PixelIntegrand;
+pub use tracer::{Hit, TracedScene};
+pub use triangle::{Crossing, Ray};
