@@ -31,10 +31,38 @@ pub struct Common {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// How fast one pixel of a scene converges under each sampler
+    Pixel(PixelArgs),
     /// Names that can be typed, each with one line of help
     List(ListArgs),
     /// A completion script for a shell
     Completions(CompletionsArgs),
+}
+
+#[derive(Debug, Args)]
+pub struct PixelArgs {
+    /// A scene file, an .obj, or a built-in scene (see `stratcli list scenes`)
+    pub scene: String,
+    /// The pixel; 0,0 is the top-left
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
+    pub at: String,
+    /// The number that is studied
+    #[arg(long, value_enum, default_value_t = StudiedChannel::Luminance)]
+    pub channel: StudiedChannel,
+    #[command(flatten)]
+    pub study: StudyArgs,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum StudiedChannel {
+    /// Rec. 709 luminance of linear RGB
+    Luminance,
+    /// Red
+    R,
+    /// Green
+    G,
+    /// Blue
+    B,
 }
 
 #[derive(Debug, Args)]
@@ -63,7 +91,7 @@ pub struct StudyArgs {
     #[arg(long, value_name = "A,B", value_delimiter = ',', default_value = "random,jittered")]
     pub samplers: Vec<String>,
     /// Independent repeats of each estimate, M, at least 2
-    #[arg(long, value_name = "M", default_value_t = 50)]
+    #[arg(long, value_name = "M", default_value_t = 50, allow_negative_numbers = true)]
     pub trials: u32,
     /// Sample counts N: 1..16^2 (1, 4, 9, …, 256), 2^0..2^12, or a list such as 1,4,16
     /// [default: 1..16^2; 1..k^d in d > 2 dimensions, up to some 10,000]

@@ -72,15 +72,11 @@ impl AtomicFile {
         Ok(Self { path: path.to_owned(), temporary, file })
     }
 
-    /// The file, to be filled.
-    pub fn file(&mut self) -> &mut File {
-        &mut self.file
-    }
-
-    /// Gives the file its name, in place of any older one.
-    pub fn commit(self) -> Result<()> {
+    /// Fills the file and gives it its name, in place of any older one.
+    pub fn commit(mut self, contents: &[u8]) -> Result<()> {
         self.file
-            .sync_all()
+            .write_all(contents)
+            .and_then(|()| self.file.sync_all())
             .and_then(|()| fs::rename(&self.temporary, &self.path))
             .with_context(|| format!("cannot write {}", self.path.display()))
     }
@@ -103,15 +99,12 @@ mod tests {
         let path = folder.path().join("out.txt");
         let entries = || fs::read_dir(folder.path()).unwrap().count();
 
-        let mut dropped = AtomicFile::create(&path).unwrap();
-        dropped.file().write_all(b"half").unwrap();
+        let dropped = AtomicFile::create(&path).unwrap();
         assert!(!path.exists());
         drop(dropped);
         assert_eq!(entries(), 0);
 
-        let mut kept = AtomicFile::create(&path).unwrap();
-        kept.file().write_all(b"whole").unwrap();
-        kept.commit().unwrap();
+        AtomicFile::create(&path).unwrap().commit(b"whole").unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "whole");
         assert_eq!(entries(), 1);
     }

@@ -3,6 +3,7 @@
 use crate::cli::{Common, NPolicy, StudyArgs};
 use anyhow::{Context, Result, bail, ensure};
 use serde::Serialize;
+use std::fmt;
 use std::str::FromStr;
 use stratcore::StudyResult;
 use stratcore::counts::parse_counts;
@@ -86,6 +87,17 @@ pub struct Verdict {
     pub found: Option<f64>,
     /// Whether it was as expected.
     pub holds: bool,
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { sampler, exponent, tolerance, .. } = self;
+        write!(f, "expected p = {exponent} ± {tolerance} under {sampler}, found ")?;
+        match self.found {
+            Some(p) => write!(f, "p = {p:.4}"),
+            None => f.write_str("no exponent"),
+        }
+    }
 }
 
 impl FromStr for Expectation {

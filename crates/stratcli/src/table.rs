@@ -154,7 +154,7 @@ fn reading(sampler: &SamplerResult) -> String {
         let _ = writeln!(text, "  class: {class}{doubt}");
     }
     if let Some(p) = sampler.predicted {
-        let _ = writeln!(text, "  predicted: p = {}", number(p, 4));
+        let _ = writeln!(text, "  predicted: p = {}", (p * 1e4).round() / 1e4);
     }
     text
 }

@@ -7,6 +7,7 @@ use crate::table::{Align, columns};
 use anyhow::Result;
 use serde::Serialize;
 use stratcore::sampler::{SHELF, Scramble};
+use stratcore::scene::library::SCENES;
 
 #[derive(Serialize)]
 struct SamplerEntry {
@@ -17,9 +18,17 @@ struct SamplerEntry {
 }
 
 #[derive(Serialize)]
+struct SceneEntry {
+    name: &'static str,
+    summary: &'static str,
+}
+
+#[derive(Serialize)]
 struct Listing {
     #[serde(skip_serializing_if = "Option::is_none")]
     samplers: Option<Vec<SamplerEntry>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scenes: Option<Vec<SceneEntry>>,
 }
 
 pub fn run(args: &ListArgs, common: &Common) -> Result<Outcome> {
@@ -33,7 +42,12 @@ pub fn run(args: &ListArgs, common: &Common) -> Result<Outcome> {
         };
         SHELF.iter().map(entry).collect()
     };
-    let listing = Listing { samplers: wanted(Listed::Samplers).then(samplers) };
+    let scenes =
+        || SCENES.iter().map(|s| SceneEntry { name: s.name, summary: s.summary }).collect();
+    let listing = Listing {
+        samplers: wanted(Listed::Samplers).then(samplers),
+        scenes: wanted(Listed::Scenes).then(scenes),
+    };
     if common.json {
         output::print_json(listing)?;
     } else {
@@ -43,11 +57,11 @@ pub fn run(args: &ListArgs, common: &Common) -> Result<Outcome> {
 }
 
 fn text(listing: &Listing) -> String {
-    let mut text = String::new();
-    if let Some(samplers) = &listing.samplers {
-        let rows: Vec<_> =
-            samplers.iter().map(|s| vec![s.name.to_owned(), s.summary.to_owned()]).collect();
-        text += &format!("samplers\n{}", columns(Align::Left, &rows));
-    }
-    text
+    let named = |name: &str, summary: &str| vec![name.to_owned(), summary.to_owned()];
+    let samplers = listing.samplers.iter().flatten().map(|s| named(s.name, s.summary)).collect();
+    let scenes = listing.scenes.iter().flatten().map(|s| named(s.name, s.summary)).collect();
+    let sections: [(&str, Vec<_>); 2] = [("samplers", samplers), ("scenes", scenes)];
+    let filled = sections.iter().filter(|(_, rows)| !rows.is_empty());
+    let sections = filled.map(|(title, rows)| format!("{title}\n{}", columns(Align::Left, rows)));
+    sections.collect::<Vec<_>>().join("\n")
 }

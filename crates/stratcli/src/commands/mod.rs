@@ -2,6 +2,8 @@
 
 mod completions;
 mod list;
+mod pixel;
+mod study;
 
 use crate::cli::{Cli, Command};
 use anyhow::Result;
@@ -34,6 +36,7 @@ impl Outcome {
 pub fn run(cli: &Cli) -> Result<Outcome> {
     let common = &cli.common;
     with_threads(common.threads.map(usize::from), || match &cli.command {
+        Command::Pixel(args) => pixel::run(args, common),
         Command::List(args) => list::run(args, common),
         Command::Completions(args) => completions::run(args, common),
     })
