@@ -8,6 +8,7 @@ mod commands;
 mod output;
 mod plan;
 mod progress;
+mod report;
 mod table;
 
 use clap::Parser;

@@ -122,13 +122,20 @@ impl Svg {
     /// The outline of a rectangle.
     pub fn outline(&mut self, r: Rect, stroke: Stroke) {
         let Rect { x, y, w, h } = r;
-        self.path(&[[x, y], [x + w, y], [x + w, y + h], [x, y + h], [x, y - stroke.width / 2.0]], stroke);
+        self.path(
+            &[[x, y], [x + w, y], [x + w, y + h], [x, y + h], [x, y - stroke.width / 2.0]],
+            stroke,
+        );
     }
 
     /// A marker centred at a point.
     pub fn marker(&mut self, [x, y]: [f64; 2], marker: Marker, colour: &str) {
         let polygon = |points: &[[f64; 2]]| {
-            points.iter().map(|[a, b]| format!("{:.2},{:.2}", x + a, y + b)).collect::<Vec<_>>().join(" ")
+            points
+                .iter()
+                .map(|[a, b]| format!("{:.2},{:.2}", x + a, y + b))
+                .collect::<Vec<_>>()
+                .join(" ")
         };
         let filled = match marker {
             Marker::Circle => {
@@ -153,8 +160,11 @@ impl Svg {
     /// Text with its baseline at a point. `N^{-2}` raises what is in braces.
     pub fn text(&mut self, [x, y]: [f64; 2], set: Type, text: &str) {
         let Type { size, colour, anchor, upwards } = set;
-        let turn =
-            if upwards { format!(r#" transform="rotate(-90 {x:.2} {y:.2})""#) } else { String::new() };
+        let turn = if upwards {
+            format!(r#" transform="rotate(-90 {x:.2} {y:.2})""#)
+        } else {
+            String::new()
+        };
         let mut spans = String::new();
         let mut raised = false;
         let mut drop = 0.0; // from a superscript back to the baseline
@@ -167,7 +177,8 @@ impl Svg {
             let words = escape(words);
             if raised {
                 let (up, size) = (0.38 * size, 0.74 * size);
-                let _ = write!(spans, r#"<tspan dy="-{up:.2}" font-size="{size:.2}">{words}</tspan>"#);
+                let _ =
+                    write!(spans, r#"<tspan dy="-{up:.2}" font-size="{size:.2}">{words}</tspan>"#);
                 drop = up;
             } else if drop > 0.0 && !words.is_empty() {
                 let _ = write!(spans, r#"<tspan dy="{drop:.2}">{words}</tspan>"#);
@@ -227,8 +238,8 @@ impl Svg {
         let mut options = usvg::Options::default();
         let font = Arc::new(epaint_default_fonts::UBUNTU_LIGHT);
         options.fontdb_mut().load_font_source(usvg::fontdb::Source::Binary(font));
-        let tree =
-            usvg::Tree::from_str(&self.document(""), &options).map_err(|error| error.to_string())?;
+        let tree = usvg::Tree::from_str(&self.document(""), &options)
+            .map_err(|error| error.to_string())?;
         let transform = tiny_skia::Transform::from_scale(scale as f32, scale as f32);
         resvg::render(&tree, transform, &mut layer.as_mut());
         let mut picture = Raster::filled([w, h], [255; 3]);
@@ -238,7 +249,8 @@ impl Svg {
         // The layer's colours are already multiplied by their opacity.
         for (below, above) in picture.rgb.iter_mut().zip(layer.pixels()) {
             let rest = 255 - u32::from(above.alpha());
-            let over = |b: u8, a: u8| (u32::from(a) + (u32::from(b) * rest + 127) / 255).min(255) as u8;
+            let over =
+                |b: u8, a: u8| (u32::from(a) + (u32::from(b) * rest + 127) / 255).min(255) as u8;
             *below = [
                 over(below[0], above.red()),
                 over(below[1], above.green()),
