@@ -1,4 +1,23 @@
 //! What is sampled: a function on the unit cube whose mean is wanted.
+//!
+//! Besides the trait, the closed-form integrands of [`CATALOGUE`]: each knows its exact mean,
+//! its regularity, and its exact variance under the paper's two samplers where one exists.
+
+mod catalogue;
+mod checkerboard;
+mod disk;
+mod exact;
+mod form_factor;
+mod half_space;
+mod koch;
+mod linear;
+mod product;
+mod quadrature;
+mod step;
+#[cfg(test)]
+mod test_support;
+
+pub use catalogue::{CATALOGUE, IntegrandError, IntegrandInfo, ParamInfo, by_name};
 
 use serde::Serialize;
 
