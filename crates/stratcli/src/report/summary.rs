@@ -229,7 +229,9 @@ pub struct FormFactorCase {
     pub occluder: Option<f64>,
     /// Theory's exponent; null where every estimate is the same number.
     pub predicted: Option<f64>,
-    /// Mean exponent over the repeats; null when exact.
+    /// The exponent that the exact variances fit to; null where they have no closed form.
+    pub exact: [Option<f64>; 2],
+    /// Mean exponent over the repeats; null where every estimate is the same number.
     pub mean: [Option<f64>; 2],
     /// Its standard error.
     pub std_error: [Option<f64>; 2],
