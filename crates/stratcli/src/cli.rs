@@ -1,6 +1,7 @@
 //! The command line as it is typed: words only; [`plan`](crate::plan) gives them meaning.
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
 
 /// How fast does a pixel's estimate converge, and why?
 #[derive(Debug, Parser)]
@@ -31,12 +32,39 @@ pub struct Common {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// A picture of a scene, one jittered estimate per pixel
+    //RENDER
+    /// What a scene holds, what its pixels integrate over, and what theory predicts
+    Inspect(InspectArgs),
     /// How fast one pixel of a scene converges under each sampler
     Pixel(PixelArgs),
+    /// The same study of an integrand whose mean is known
+    Integrand(IntegrandArgs),
     /// Names that can be typed, each with one line of help
     List(ListArgs),
     /// A completion script for a shell
     Completions(CompletionsArgs),
+}
+
+#[derive(Debug, Args)]
+pub struct RenderArgs {
+    /// A scene file, an .obj, or a built-in scene (see `stratcli list scenes`)
+    pub scene: String,
+    /// Samples per pixel; a square number fills a square of strata
+    #[arg(long, value_name = "N", default_value_t = 16)]
+    pub spp: u64,
+    /// Where to write: .png (8-bit sRGB) or .exr (32-bit linear RGB)
+    #[arg(short, long, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Brighten by this many stops: radiance times 2^STOPS
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_hyphen_values = true)]
+    pub exposure: f64,
+}
+
+#[derive(Debug, Args)]
+pub struct InspectArgs {
+    /// A scene file, an .obj, or a built-in scene (see `stratcli list scenes`)
+    pub scene: String,
 }
 
 #[derive(Debug, Args)]
@@ -63,6 +91,23 @@ pub enum StudiedChannel {
     G,
     /// Blue
     B,
+}
+
+#[derive(Debug, Args)]
+pub struct IntegrandArgs {
+    /// Its name (see `stratcli list integrands`)
+    pub name: String,
+    /// Dimensions [default: the integrand's own]
+    #[arg(long, value_name = "D")]
+    pub dim: Option<usize>,
+    /// A parameter; may be given many times
+    #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true)]
+    pub set: Vec<String>,
+    /// Side of a square occluder half way: short for --set occluder=SIDE
+    #[arg(long, value_name = "SIDE", allow_hyphen_values = true)]
+    pub occluder: Option<f64>,
+    #[command(flatten)]
+    pub study: StudyArgs,
 }
 
 #[derive(Debug, Args)]

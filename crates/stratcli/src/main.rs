@@ -6,6 +6,7 @@
 mod cli;
 mod commands;
 mod output;
+mod picture;
 mod plan;
 mod progress;
 mod report;

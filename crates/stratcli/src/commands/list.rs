@@ -3,10 +3,11 @@
 use super::Outcome;
 use crate::cli::{Common, ListArgs, Listed};
 use crate::output;
-use crate::table::{Align, columns};
+use crate::table::{Align, columns, number};
 use anyhow::Result;
 use serde::Serialize;
-use stratcore::sampler::{SHELF, Scramble};
+use stratcore::integrand::{CATALOGUE, IntegrandInfo, ParamInfo};
+use stratcore::sampler::{SHELF, Sampler, Scramble};
 use stratcore::scene::library::SCENES;
 
 #[derive(Serialize)]
@@ -15,6 +16,24 @@ struct SamplerEntry {
     summary: &'static str,
     source: &'static str,
     scrambles: &'static [Scramble],
+}
+
+#[derive(Serialize)]
+struct IntegrandEntry {
+    name: &'static str,
+    summary: &'static str,
+    min_dim: usize,
+    max_dim: usize,
+    params: Vec<ParamEntry>,
+}
+
+#[derive(Serialize)]
+struct ParamEntry {
+    name: &'static str,
+    default: f64,
+    min: f64,
+    max: f64,
+    meaning: &'static str,
 }
 
 #[derive(Serialize)]
@@ -28,24 +47,16 @@ struct Listing {
     #[serde(skip_serializing_if = "Option::is_none")]
     samplers: Option<Vec<SamplerEntry>>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    integrands: Option<Vec<IntegrandEntry>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     scenes: Option<Vec<SceneEntry>>,
 }
 
 pub fn run(args: &ListArgs, common: &Common) -> Result<Outcome> {
     let wanted = |what| args.what.is_none_or(|only| only == what);
-    let samplers = || {
-        let entry = |s: &&dyn stratcore::sampler::Sampler| SamplerEntry {
-            name: s.name(),
-            summary: s.summary(),
-            source: s.source(),
-            scrambles: s.scrambles(),
-        };
-        SHELF.iter().map(entry).collect()
-    };
-    let scenes =
-        || SCENES.iter().map(|s| SceneEntry { name: s.name, summary: s.summary }).collect();
     let listing = Listing {
         samplers: wanted(Listed::Samplers).then(samplers),
+        integrands: wanted(Listed::Integrands).then(integrands),
         scenes: wanted(Listed::Scenes).then(scenes),
     };
     if common.json {
@@ -56,12 +67,55 @@ pub fn run(args: &ListArgs, common: &Common) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
+fn samplers() -> Vec<SamplerEntry> {
+    let entry = |s: &&dyn Sampler| SamplerEntry {
+        name: s.name(),
+        summary: s.summary(),
+        source: s.source(),
+        scrambles: s.scrambles(),
+    };
+    SHELF.iter().map(entry).collect()
+}
+
+fn integrands() -> Vec<IntegrandEntry> {
+    let param = |p: &ParamInfo| {
+        let ParamInfo { name, default, min, max, meaning } = *p;
+        ParamEntry { name, default, min, max, meaning }
+    };
+    let entry = |info: &IntegrandInfo| IntegrandEntry {
+        name: info.name,
+        summary: info.summary,
+        min_dim: info.min_dim,
+        max_dim: info.max_dim,
+        params: info.params.iter().map(param).collect(),
+    };
+    CATALOGUE.iter().map(entry).collect()
+}
+
+fn scenes() -> Vec<SceneEntry> {
+    SCENES.iter().map(|s| SceneEntry { name: s.name, summary: s.summary }).collect()
+}
+
 fn text(listing: &Listing) -> String {
     let named = |name: &str, summary: &str| vec![name.to_owned(), summary.to_owned()];
-    let samplers = listing.samplers.iter().flatten().map(|s| named(s.name, s.summary)).collect();
-    let scenes = listing.scenes.iter().flatten().map(|s| named(s.name, s.summary)).collect();
-    let sections: [(&str, Vec<_>); 2] = [("samplers", samplers), ("scenes", scenes)];
-    let filled = sections.iter().filter(|(_, rows)| !rows.is_empty());
-    let sections = filled.map(|(title, rows)| format!("{title}\n{}", columns(Align::Left, rows)));
-    sections.collect::<Vec<_>>().join("\n")
+    let mut sections = Vec::new();
+    if let Some(samplers) = &listing.samplers {
+        sections.push(("samplers", samplers.iter().map(|s| named(s.name, s.summary)).collect()));
+    }
+    if let Some(integrands) = &listing.integrands {
+        let mut rows = Vec::new();
+        for integrand in integrands {
+            rows.push(named(integrand.name, integrand.summary));
+            rows.extend(integrand.params.iter().map(|p| {
+                named("", &format!("--set {}={}: {}", p.name, number(p.default, 3), p.meaning))
+            }));
+        }
+        sections.push(("integrands", rows));
+    }
+    if let Some(scenes) = &listing.scenes {
+        sections.push(("scenes", scenes.iter().map(|s| named(s.name, s.summary)).collect()));
+    }
+    let section =
+        |(title, rows): (&str, Vec<_>)| format!("{title}\n{}", columns(Align::Left, &rows));
+    sections.into_iter().map(section).collect::<Vec<_>>().join("\n")
 }

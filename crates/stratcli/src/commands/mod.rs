@@ -1,6 +1,8 @@
 //! One file per command. Each reads its words, lets the library work, and writes the result.
 
 mod completions;
+mod inspect;
+mod integrand;
 mod list;
 mod pixel;
 mod study;
@@ -36,6 +38,8 @@ impl Outcome {
 pub fn run(cli: &Cli) -> Result<Outcome> {
     let common = &cli.common;
     with_threads(common.threads.map(usize::from), || match &cli.command {
+        Command::Inspect(args) => inspect::run(args, common),
+        Command::Integrand(args) => integrand::run(args, common),
         Command::Pixel(args) => pixel::run(args, common),
         Command::List(args) => list::run(args, common),
         Command::Completions(args) => completions::run(args, common),

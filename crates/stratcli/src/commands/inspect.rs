@@ -1,0 +1,204 @@
+//! `inspect`: what a scene holds, and what that means for its pixels.
+
+use super::Outcome;
+use crate::cli::{Common, InspectArgs};
+use crate::output;
+use crate::table::{Align, columns, number};
+use anyhow::Result;
+use serde::Serialize;
+use stratcore::integrand::Integrand;
+use stratcore::scene::{self, Channel, Light, Rgb, Scene};
+use stratcore::theory::Class;
+use stratcore::trace::TracedScene;
+
+#[derive(Serialize)]
+struct Inspection {
+    scene: String,
+    camera: CameraFacts,
+    triangles: usize,
+    vertices: usize,
+    smooth_shading: bool,
+    materials: Vec<MaterialFacts>,
+    bounds: Option<[[f64; 3]; 2]>,
+    light: LightFacts,
+    ambient: Rgb,
+    background: Rgb,
+    memory_bytes: MemoryFacts,
+    notes: Vec<String>,
+    dim: usize,
+    axes: Vec<String>,
+    /// Jittered sampling's exponent for each class of pixel.
+    predicted: Vec<Prediction>,
+}
+
+#[derive(Serialize)]
+struct CameraFacts {
+    eye: [f64; 3],
+    look_at: [f64; 3],
+    up: [f64; 3],
+    fov_y: f64,
+    resolution: [u32; 2],
+}
+
+#[derive(Serialize)]
+struct MaterialFacts {
+    name: String,
+    kd: Rgb,
+    ke: Rgb,
+}
+
+#[derive(Serialize)]
+#[serde(tag = "kind", rename_all = "lowercase")]
+enum LightFacts {
+    Headlight,
+    Point { position: [f64; 3], intensity: Rgb },
+    Directional { towards: [f64; 3], irradiance: Rgb },
+}
+
+#[derive(Serialize)]
+struct MemoryFacts {
+    scene: usize,
+    bvh: usize,
+}
+
+#[derive(Serialize)]
+struct Prediction {
+    class: Class,
+    exponent: Option<f64>,
+    meaning: &'static str,
+}
+
+pub fn run(args: &InspectArgs, common: &Common) -> Result<Outcome> {
+    let inspection = inspect(&TracedScene::new(scene::load(&args.scene)?));
+    if common.json {
+        output::print_json(inspection)?;
+    } else {
+        output::print(&text(&inspection))?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn inspect(traced: &TracedScene) -> Inspection {
+    let Scene { name, camera, mesh, materials, light, ambient, background, notes } = traced.scene();
+    let pixel = traced.pixel([0, 0], Channel::Luminance);
+    let dim = pixel.dim();
+    let corners = || mesh.triangles.iter().flatten().map(|i| mesh.positions[*i as usize]);
+    let lowest = corners().reduce(|a, b| a.min(b));
+    let highest = corners().reduce(|a, b| a.max(b));
+    let prediction = |class: Class, meaning| Prediction {
+        class,
+        exponent: class.predicted_exponent(dim),
+        meaning,
+    };
+    let bvh = traced.accel().bvh();
+    Inspection {
+        scene: name.clone(),
+        camera: CameraFacts {
+            eye: camera.eye.to_array(),
+            look_at: camera.look_at.to_array(),
+            up: camera.up.to_array(),
+            fov_y: camera.fov_y,
+            resolution: camera.resolution,
+        },
+        triangles: mesh.triangles.len(),
+        vertices: mesh.positions.len(),
+        smooth_shading: mesh.corner_normals.is_some(),
+        materials: materials
+            .iter()
+            .map(|m| MaterialFacts { name: m.name.clone(), kd: m.kd, ke: m.ke })
+            .collect(),
+        bounds: lowest.zip(highest).map(|(a, b)| [a.to_array(), b.to_array()]),
+        light: match *light {
+            Light::Headlight => LightFacts::Headlight,
+            Light::Point { position, intensity } => {
+                LightFacts::Point { position: position.to_array(), intensity }
+            }
+            Light::Directional { towards, irradiance } => {
+                LightFacts::Directional { towards: towards.to_array(), irradiance }
+            }
+        },
+        ambient: *ambient,
+        background: *background,
+        memory_bytes: MemoryFacts {
+            scene: size_of_val(&*mesh.positions)
+                + size_of_val(&*mesh.triangles)
+                + size_of_val(&*mesh.materials)
+                + mesh.corner_normals.as_deref().map_or(0, size_of_val)
+                + size_of_val(&**materials),
+            bvh: size_of_val(&*bvh.nodes) + size_of_val(&*bvh.primitive_indices),
+        },
+        notes: notes.clone(),
+        dim,
+        axes: pixel.axes(),
+        predicted: vec![
+            prediction(Class::Smooth, "radiance varies smoothly across the pixel"),
+            prediction(Class::Edge, "edges cross the pixel, smooth between them"),
+            prediction(Class::Complex, "detail finer than the strata"),
+        ],
+    }
+}
+
+fn text(facts: &Inspection) -> String {
+    let triple = |v: &[f64; 3]| v.map(|x| number(x, 4)).join(" ");
+    let megabytes = |bytes: usize| format!("{} MB", number(bytes as f64 * 1e-6, 3));
+    let camera = &facts.camera;
+    let [width, height] = camera.resolution;
+    let light = match &facts.light {
+        LightFacts::Headlight => "headlight".to_owned(),
+        LightFacts::Point { position, intensity } => {
+            format!("point at {}, intensity {}", triple(position), triple(intensity))
+        }
+        LightFacts::Directional { towards, irradiance } => {
+            format!("directional from {}, irradiance {}", triple(towards), triple(irradiance))
+        }
+    };
+    let bounds = match &facts.bounds {
+        Some([lo, hi]) => format!("{} to {}", triple(lo), triple(hi)),
+        None => "none".to_owned(),
+    };
+    let shading = if facts.smooth_shading { "smooth" } else { "flat" };
+    let mut rows = vec![
+        ("triangles", format!("{}, {shading} shading", facts.triangles)),
+        ("vertices", facts.vertices.to_string()),
+        ("materials", facts.materials.len().to_string()),
+        ("bounds", bounds),
+        ("light", light),
+        ("ambient", triple(&facts.ambient)),
+        ("background", triple(&facts.background)),
+        (
+            "camera",
+            format!(
+                "eye {}, looks at {}, fov_y {}°",
+                triple(&camera.eye),
+                triple(&camera.look_at),
+                camera.fov_y
+            ),
+        ),
+        ("picture", format!("{width} × {height} pixels")),
+        (
+            "memory",
+            format!(
+                "scene {}, BVH {}",
+                megabytes(facts.memory_bytes.scene),
+                megabytes(facts.memory_bytes.bvh)
+            ),
+        ),
+        ("a pixel is", format!("d = {}: {}", facts.dim, facts.axes.join(", "))),
+    ];
+    rows.extend(facts.notes.iter().map(|note| ("note", note.clone())));
+    let rows: Vec<_> = rows.into_iter().map(|(name, fact)| vec![name.to_owned(), fact]).collect();
+    let predicted: Vec<_> = facts
+        .predicted
+        .iter()
+        .map(|p| {
+            let exponent = p.exponent.map(|e| format!("p = {}", number(e, 3))).unwrap_or_default();
+            vec![p.class.to_string(), exponent, p.meaning.to_owned()]
+        })
+        .collect();
+    format!(
+        "{}\n{}\nvariance of the mean ~ C N^-p: random sampling has p = 1; jittered, by theory\n{}",
+        facts.scene,
+        columns(Align::Left, &rows),
+        columns(Align::Left, &predicted),
+    )
+}

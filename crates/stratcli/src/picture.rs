@@ -1,0 +1,140 @@
+//! A picture of linear radiance as the bytes of a PNG or an OpenEXR file.
+
+use anyhow::{Context, Result, bail};
+use exr::prelude::{
+    AttributeValue, Encoding, Image, Layer, LayerAttributes, SpecificChannels, Text, Vec2,
+    WritableImage,
+};
+use image::ImageEncoder;
+use image::codecs::png::PngEncoder;
+use std::io::Cursor;
+use std::path::Path;
+use stratcore::scene::Rgb;
+
+/// File formats, named by their extension.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// 8-bit sRGB; radiance above 1 is white.
+    Png,
+    /// 32-bit linear R, G, B.
+    Exr,
+}
+
+impl Format {
+    /// The format that a file's name asks for.
+    pub fn of(path: &Path) -> Result<Self> {
+        let extension = path.extension().map(|e| e.to_ascii_lowercase());
+        match extension.as_ref().and_then(|e| e.to_str()) {
+            Some("png") => Ok(Self::Png),
+            Some("exr") => Ok(Self::Exr),
+            _ => bail!("cannot write {}: name a file that ends in .png or .exr", path.display()),
+        }
+    }
+
+    /// The file's bytes. `rgb` is row-major from the top-left; `attributes` are kept where the
+    /// format has a place for them.
+    pub fn encode(
+        self,
+        size: [u32; 2],
+        rgb: &[Rgb],
+        attributes: &[(&str, String)],
+    ) -> Result<Vec<u8>> {
+        match self {
+            Self::Png => png(size, rgb),
+            Self::Exr => exr(size, rgb, attributes),
+        }
+    }
+}
+
+fn png([width, height]: [u32; 2], rgb: &[Rgb]) -> Result<Vec<u8>> {
+    let bytes: Vec<u8> = rgb.iter().flatten().map(|x| srgb_byte(*x)).collect();
+    let mut file = Vec::new();
+    PngEncoder::new(&mut file)
+        .write_image(&bytes, width, height, image::ExtendedColorType::Rgb8)
+        .context("cannot encode the PNG")?;
+    Ok(file)
+}
+
+/// The transfer curve of IEC 61966-2-1 (sRGB), rounded to 8 bits.
+fn srgb_byte(linear: f64) -> u8 {
+    let x = linear.clamp(0.0, 1.0);
+    let encoded = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
+    (encoded * 255.0).round() as u8
+}
+
+fn exr([width, height]: [u32; 2], rgb: &[Rgb], attributes: &[(&str, String)]) -> Result<Vec<u8>> {
+    let width = width as usize;
+    let pixels = SpecificChannels::rgb(|Vec2(x, y): Vec2<usize>| {
+        let [r, g, b] = rgb[y * width + x].map(|value| value as f32);
+        (r, g, b)
+    });
+    let mut about = LayerAttributes::default();
+    about.software_name = Some(Text::from(concat!("stratcli ", env!("CARGO_PKG_VERSION"))));
+    for (name, value) in attributes {
+        about.other.insert(Text::from(*name), AttributeValue::Text(Text::from(value.as_str())));
+    }
+    let layer = Layer::new((width, height as usize), about, Encoding::SMALL_LOSSLESS, pixels);
+    let mut file = Cursor::new(Vec::new());
+    // One thread: the writer's own pool would ignore --threads.
+    Image::from_layer(layer)
+        .write()
+        .non_parallel()
+        .to_buffered(&mut file)
+        .context("cannot encode the EXR")?;
+    Ok(file.into_inner())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn srgb_meets_its_published_points() {
+        assert_eq!(srgb_byte(0.0), 0);
+        assert_eq!(srgb_byte(1.0), 255);
+        assert_eq!(srgb_byte(7.0), 255);
+        assert_eq!(srgb_byte(-1.0), 0);
+        assert_eq!(srgb_byte(f64::NAN), 0);
+        // Half of the light is byte 188; byte 119 is 18 % grey rounded up from 117.6 of 0.18.
+        assert_eq!(srgb_byte(0.5), 188);
+        assert_eq!(srgb_byte(0.18), 118);
+    }
+
+    #[test]
+    fn both_formats_give_back_what_they_were_given() {
+        let size = [3, 2];
+        let rgb: Vec<Rgb> = (0..6).map(|i| [f64::from(i) * 0.25, 1e-3, 1e4]).collect();
+
+        let png = Format::Png.encode(size, &rgb, &[]).unwrap();
+        let read = image::load_from_memory(&png).unwrap().into_rgb8();
+        assert_eq!((read.width(), read.height()), (3, 2));
+        assert_eq!(read.get_pixel(1, 1).0, [255, srgb_byte(1e-3), 255]);
+        assert_eq!(read.get_pixel(2, 0).0[0], 188);
+
+        let exr = Format::Exr.encode(size, &rgb, &[("seed", "7".to_owned())]).unwrap();
+        let read = exr::prelude::read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .all_channels()
+            .first_valid_layer()
+            .all_attributes()
+            .from_buffered(Cursor::new(exr))
+            .unwrap();
+        let names: Vec<_> =
+            read.layer_data.channel_data.list.iter().map(|c| c.name.to_string()).collect();
+        assert_eq!(names, ["B", "G", "R"]);
+        let red = &read.layer_data.channel_data.list[2].sample_data;
+        assert_eq!(red.value_by_flat_index(5).to_f32(), 1.25);
+        let seed = read.layer_data.attributes.other.get(&Text::from("seed"));
+        assert_eq!(seed, Some(&AttributeValue::Text(Text::from("7"))));
+    }
+
+    #[test]
+    fn an_unknown_format_names_those_that_exist() {
+        for name in ["a.jpg", "png", "a.", "dir/"] {
+            let error = Format::of(Path::new(name)).unwrap_err().to_string();
+            assert!(error.contains(".png or .exr"), "{error}");
+        }
+        assert_eq!(Format::of(Path::new("A.PNG")).unwrap(), Format::Png);
+    }
+}

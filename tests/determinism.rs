@@ -1,0 +1,90 @@
+//! Same seed, same bytes: for any number of threads, and for a pixel alone or in a picture.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+use stratcore::scene::Channel;
+use stratcore::study::{Control, StudyPlan, study, study_pixels, with_threads};
+use stratcore::trace::TracedScene;
+
+fn stratcli(arguments: &[&str]) -> Vec<u8> {
+    let output = Command::new(env!("CARGO_BIN_EXE_stratcli")).args(arguments).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    output.stdout
+}
+
+const STUDIES: [&[&str]; 4] = [
+    &["pixel", "classic", "--at", "100,140", "--trials", "10", "--json"],
+    &["pixel", "classic", "--at", "100,140", "--trials", "10"],
+    &["integrand", "form-factor", "--counts", "1..5^4", "--trials", "10", "--json"],
+    &["integrand", "koch", "--counts", "3,70000", "--n-policy", "rect", "--trials", "3", "--json"],
+];
+
+#[test]
+fn threads_change_no_byte() {
+    for arguments in STUDIES {
+        let with = |threads| stratcli(&[arguments, &["--threads", threads]].concat());
+        let one = with("1");
+        assert_eq!(one, with("2"), "{arguments:?}");
+        assert_eq!(one, with("7"), "{arguments:?}");
+        assert_eq!(one, stratcli(arguments), "{arguments:?}");
+    }
+}
+
+#[test]
+fn the_seed_changes_them() {
+    for arguments in STUDIES {
+        let with = |seed| stratcli(&[arguments, &["--seed", seed]].concat());
+        assert_eq!(with("1996"), stratcli(arguments), "{arguments:?}");
+        assert_ne!(with("1996"), with("1997"), "{arguments:?}");
+        // Seeds that differ in their high half only are two seeds.
+        assert_ne!(with("1996"), with("4294969292"), "{arguments:?}");
+    }
+}
+
+#[test]
+fn pictures_are_the_same_files() {
+    let folder = tempfile::tempdir().unwrap();
+    for extension in ["png", "exr"] {
+        let render = |name: &str, more: &[&str]| {
+            let path = folder.path().join(Path::new(name).with_extension(extension));
+            let arguments = ["render", "classic", "--spp", "1", "-o", path.to_str().unwrap()];
+            stratcli(&[&arguments, more].concat());
+            fs::read(path).unwrap()
+        };
+        let one = render("one", &["--threads", "1"]);
+        assert!(one == render("two", &["--threads", "2"]), "{extension}");
+        assert!(one != render("other", &["--seed", "7"]), "{extension}");
+    }
+}
+
+/// A pixel's study is the same alone, in a crop, in any order of pixels, on any threads.
+#[test]
+fn a_crop_equals_the_whole() {
+    let scene = TracedScene::new(stratcore::scene::load("classic").unwrap());
+    let integrand_of = |pixel| scene.pixel(pixel, Channel::Luminance);
+    let plan = StudyPlan { counts: vec![1, 4, 9], n_trials: 5, ..StudyPlan::paper() };
+    let study_all = |pixels: Vec<[u32; 2]>, threads| {
+        let mut results = Vec::new();
+        with_threads(Some(threads), || {
+            let each = &mut |result| results.push(result);
+            study_pixels(&integrand_of, pixels, &plan, Control::unwatched(), each).unwrap();
+        });
+        results
+    };
+    let region = |x: std::ops::Range<u32>, y: std::ops::Range<u32>| -> Vec<[u32; 2]> {
+        y.flat_map(|y| x.clone().map(move |x| [x, y])).collect()
+    };
+    let whole = study_all(region(60..100, 120..160), 2);
+    let crop = region(75..83, 131..140);
+    let cropped = study_all(crop.iter().rev().copied().collect(), 1);
+    assert_eq!(cropped.len(), crop.len());
+    for result in cropped {
+        let in_whole = whole.iter().find(|r| r.pixel == result.pixel);
+        assert_eq!(in_whole, Some(&result));
+        let alone =
+            study(&integrand_of(result.pixel), result.pixel, &plan, Control::unwatched()).unwrap();
+        assert_eq!(alone, result);
+    }
+    assert!(whole.windows(2).any(|pair| pair[0].samplers != pair[1].samplers));
+}
