@@ -32,6 +32,8 @@ pub struct Common {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// The paper: every figure and number on ray-traced scenes, as report.html
+    Reproduce(ReproduceArgs),
     /// A picture of a scene, one jittered estimate per pixel
     //RENDER
     /// What a scene holds, what its pixels integrate over, and what theory predicts
@@ -44,6 +46,23 @@ pub enum Command {
     List(ListArgs),
     /// A completion script for a shell
     Completions(CompletionsArgs),
+}
+
+#[derive(Debug, Args)]
+pub struct ReproduceArgs {
+    /// Folder for report.html, summary.json and figures/
+    #[arg(long, value_name = "DIR", default_value = "out/reproduce")]
+    pub out: PathBuf,
+    /// Study a lattice of 40 × 40 pixels, not every pixel, and repeat the form factor 20 times,
+    /// not 150
+    #[arg(long)]
+    pub quick: bool,
+    /// Study a lattice of L × L pixels, evenly over the picture, and repeat as with --quick
+    #[arg(long, value_name = "L", conflicts_with = "quick", value_parser = clap::value_parser!(u32).range(1..))]
+    pub lattice: Option<u32>,
+    /// The scene: a file, or a built-in one (see `stratcli list scenes`)
+    #[arg(long, value_name = "SCENE", default_value = "classic")]
+    pub scene: String,
 }
 
 #[derive(Debug, Args)]

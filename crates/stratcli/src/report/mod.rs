@@ -4,6 +4,7 @@ pub mod axis;
 pub mod chart;
 pub mod gain;
 pub mod histogram;
+pub mod page;
 pub mod picture;
 pub mod raster;
 pub mod sides;

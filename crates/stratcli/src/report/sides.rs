@@ -2,12 +2,13 @@
 
 use super::axis::{self, Axis, INK, MUTED, SMALL, plain};
 use super::chart::Style;
-use super::summary::FormFactorCase;
+use super::summary::{FormFactorCase, paper};
 use super::svg::{Rect, Stroke, Svg};
 
 /// Mean exponents, all N and without N = 1, each with its standard error and, lighter, the
-/// scatter of one run; `paper` are the paper's two values, drawn across.
-pub fn draw(cases: &[FormFactorCase], paper: [f64; 2], predicted: f64) -> Svg {
+/// scatter of one run; across, the paper's two values and theory's.
+pub fn draw(cases: &[FormFactorCase]) -> Svg {
+    let (paper, predicted) = (paper::OCCLUDED, 1.25f64);
     let title = "Exponent against the side of the occluder";
     let area = Rect { x: 78.0, y: 92.0, w: 450.0, h: 270.0 };
     let mut svg = Svg::new(640.0, area.y + area.h + 56.0, title);

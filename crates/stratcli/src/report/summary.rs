@@ -7,6 +7,19 @@ use super::histogram::Histogram;
 use serde::Serialize;
 use stratcore::theory::Class;
 
+/// The paper's numbers.
+pub mod paper {
+    use stratcore::theory::Class;
+
+    /// Figure 5: an example of each class.
+    pub const CLOSE_UPS: [(Class, f64); 3] =
+        [(Class::Smooth, 1.89), (Class::Edge, 1.45), (Class::Complex, 1.12)];
+    /// Form factor: all N, and without N = 1.
+    pub const FORM_FACTOR: [f64; 2] = [1.430, 1.501];
+    /// The same with an occluder.
+    pub const OCCLUDED: [f64; 2] = [1.233, 1.245];
+}
+
 /// Everything.
 #[derive(Debug, Clone, Serialize)]
 pub struct Summary {
@@ -161,8 +174,8 @@ pub struct Suspect {
     pub again_trials: u32,
     /// The ratio as measured again.
     pub again_ratio: f64,
-    /// Its 95 % interval.
-    pub again_ci95: [f64; 2],
+    /// Ends of its interval, three standard errors either side in the logarithm.
+    pub again_interval: [f64; 2],
 }
 
 /// Variance random / variance jittered over the pixels of a class.

@@ -198,30 +198,33 @@ impl Svg {
         self.images.push((r, raster));
     }
 
-    /// The drawing as a file of its own, or inline in HTML.
+    /// The drawing as a file of its own.
     pub fn to_svg(&self) -> String {
-        let images: String = self
-            .images
-            .iter()
-            .map(|(Rect { x, y, w, h }, raster)| {
-                let data = raster.data_uri();
-                format!(
-                    "<image x=\"{x:.2}\" y=\"{y:.2}\" width=\"{w:.2}\" height=\"{h:.2}\" \
-                     preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" \
-                     href=\"{data}\"/>\n"
-                )
-            })
-            .collect();
-        let paper = r##"<rect width="100%" height="100%" fill="#ffffff"/>"##;
-        self.document(&format!("{paper}\n{images}"))
+        self.document(r#" xmlns="http://www.w3.org/2000/svg""#, &self.images())
     }
 
-    fn document(&self, below: &str) -> String {
+    /// The drawing as an element of an HTML page, which needs no name space.
+    pub fn to_inline(&self) -> String {
+        self.document("", &self.images())
+    }
+
+    fn images(&self) -> String {
+        let mut text = r##"<rect width="100%" height="100%" fill="#ffffff"/>"##.to_owned() + "\n";
+        for (Rect { x, y, w, h }, raster) in &self.images {
+            let _ = writeln!(
+                text,
+                r#"<image x="{x:.2}" y="{y:.2}" width="{w:.2}" height="{h:.2}" preserveAspectRatio="none" style="image-rendering:pixelated" href="{}"/>"#,
+                raster.data_uri()
+            );
+        }
+        text
+    }
+
+    fn document(&self, name_space: &str, below: &str) -> String {
         let Self { width: w, height: h, .. } = self;
         format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" width=\"{w}\" \
-             height=\"{h}\" role=\"img\" font-family=\"{FONT_FAMILY}\">\n<title>{}</title>\n\
-             {below}{}</svg>\n",
+            "<svg{name_space} viewBox=\"0 0 {w} {h}\" width=\"{w}\" height=\"{h}\" role=\"img\" \
+             font-family=\"{FONT_FAMILY}\">\n<title>{}</title>\n{below}{}</svg>\n",
             escape(&self.title),
             self.body
         )
@@ -238,8 +241,9 @@ impl Svg {
         let mut options = usvg::Options::default();
         let font = Arc::new(epaint_default_fonts::UBUNTU_LIGHT);
         options.fontdb_mut().load_font_source(usvg::fontdb::Source::Binary(font));
-        let tree = usvg::Tree::from_str(&self.document(""), &options)
-            .map_err(|error| error.to_string())?;
+        // Rasters are laid below by hand: resvg is built without decoders for them.
+        let vectors = self.document(r#" xmlns="http://www.w3.org/2000/svg""#, "");
+        let tree = usvg::Tree::from_str(&vectors, &options).map_err(|error| error.to_string())?;
         let transform = tiny_skia::Transform::from_scale(scale as f32, scale as f32);
         resvg::render(&tree, transform, &mut layer.as_mut());
         let mut picture = Raster::filled([w, h], [255; 3]);

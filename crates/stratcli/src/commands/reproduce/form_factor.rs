@@ -51,7 +51,8 @@ pub fn measure(seed: u64, repeats: u32, control: Control<'_>) -> Result<FormFact
             let result = study(&*integrand, [0, 0], &plan, control)?;
             let jittered = named(&result, "jittered").context("the plan has no jittered")?;
             predicted = jittered.predicted;
-            for (list, fit) in exponents.iter_mut().zip([jittered.fit, jittered.fit_without_first]) {
+            for (list, fit) in exponents.iter_mut().zip([jittered.fit, jittered.fit_without_first])
+            {
                 list.extend(fit.map(|fit| fit.exponent));
             }
             if occluder.is_none() {

@@ -199,8 +199,7 @@ impl Tally {
                     gains.filter(move |(r, _)| r.class == class && r.sure && r.fits.is_some())
                 };
                 let quartiles = (0..rows).map(|i| {
-                    let mut column: Vec<_> =
-                        of_class().map(|(_, g)| f64::from(g[i])).collect();
+                    let mut column: Vec<_> = of_class().map(|(_, g)| f64::from(g[i])).collect();
                     column.sort_by(f64::total_cmp);
                     [0.25, 0.5, 0.75].map(|q| quantile(&column, q).exp())
                 });
