@@ -1,12 +1,15 @@
 //! What can be wrong with a scene, each with its way out.
 
+use super::camera::CameraFault;
+
 /// A scene that could not be loaded.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SceneError {
     /// Neither a scene file's name nor a built-in's.
     #[error(
-        "no built-in scene is called \"{name}\"; there are {known}; files end in .toml or .obj"
+        "no built-in scene is called \"{name}\"; there are {known}, and the names of files end \
+         in .toml or .obj"
     )]
     UnknownScene {
         /// As typed.
@@ -22,12 +25,72 @@ pub enum SceneError {
         /// What the system said.
         fault: String,
     },
-    /// A file whose text is not what its name promises.
-    #[error("{path}: {fault}")]
-    Malformed {
+    /// A scene file that does not say what a scene file says.
+    #[error("{path}, line {line}: {fault}")]
+    SceneFile {
         /// The file.
         path: String,
-        /// What is wrong, where, and what to do.
+        /// Line, from 1.
+        line: usize,
+        /// What is wrong, and what is possible instead.
         fault: String,
+    },
+    /// A `[[mesh]]` that does not name exactly one mesh that exists.
+    #[error("{path}: {fault}")]
+    MeshTable {
+        /// The file.
+        path: String,
+        /// What is wrong, and what is possible instead.
+        fault: String,
+    },
+    /// A camera that shows nothing.
+    #[error("{path}: {fault}")]
+    Camera {
+        /// The file.
+        path: String,
+        /// What is wrong, and how to mend it.
+        fault: CameraFault,
+    },
+    /// A number that cannot be meant.
+    #[error("{path}: {name} is {value:?}; {wanted}")]
+    Value {
+        /// The file.
+        path: String,
+        /// Table and key.
+        name: &'static str,
+        /// Its value.
+        value: [f64; 3],
+        /// What it may be.
+        wanted: &'static str,
+    },
+    /// A line of an OBJ or MTL file that cannot be understood.
+    #[error("{path}, line {line}: {fault}")]
+    Line {
+        /// The file.
+        path: String,
+        /// Line, from 1.
+        line: usize,
+        /// What is wrong, and what it should be.
+        fault: String,
+    },
+    /// An OBJ or MTL file that its reader refuses as a whole.
+    #[error("{path}: {fault}; export it again as a plain polygon OBJ")]
+    Refused {
+        /// The file.
+        path: String,
+        /// What the reader said.
+        fault: String,
+    },
+    /// A file without a single triangle.
+    #[error("{path} has no faces; a scene needs at least one triangle (lines starting with f)")]
+    Empty {
+        /// The file.
+        path: String,
+    },
+    /// More vertices or triangles than 32 bits can count.
+    #[error("{path} has more than 2^32 - 1 vertices or triangles; split the scene")]
+    TooLarge {
+        /// The file.
+        path: String,
     },
 }

@@ -4,8 +4,9 @@ mod camera;
 mod error;
 mod file;
 pub mod library;
+mod obj;
 
-pub use camera::{Camera, PixelFrame};
+pub use camera::{Camera, CameraFault, PixelFrame};
 pub use error::SceneError;
 pub use file::load;
 
@@ -13,6 +14,9 @@ use glam::DVec3;
 
 /// Linear RGB.
 pub type Rgb = [f64; 3];
+
+/// The largest coordinate a scene may have: the areas of the BVH's boxes still fit in f32.
+pub const MAX_COORDINATE: f64 = 1e15;
 
 /// A scene, ready to be traced. Coordinates are f64 and those of the files.
 #[derive(Debug, Clone)]
@@ -50,6 +54,12 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// Length twice the area, along the normal of the counter-clockwise side.
+    pub fn area_normal(&self, id: usize) -> DVec3 {
+        let [a, b, c] = self.corners(id);
+        (b - a).cross(c - a)
+    }
+
     /// The corners of triangle `id`.
     pub fn corners(&self, id: usize) -> [DVec3; 3] {
         self.triangles[id].map(|i| self.positions[i as usize])

@@ -30,7 +30,7 @@ impl Accel {
         // Far above the rounding of f64 coordinates at this distance, far below f32's.
         let pad = ids.iter().map(extent).fold(0.0, f64::max) * 2f64.powi(-40);
         let boxes: Vec<Aabb> = ids.iter().map(|id| padded_box(corners(*id), pad)).collect();
-        Self { bvh: build_tree(&boxes, ids), eye }
+        Self { bvh: build_tree(&boxes, &ids), eye }
     }
 
     /// The tree. A leaf's primitives are slots; [`Accel::triangle`] gives their triangles.
@@ -56,65 +56,65 @@ impl Accel {
         &self,
         origin: DVec3,
         direction: DVec3,
-        limit: f64,
+        mut limit: f64,
         mut visit: impl FnMut(u32, f64) -> f64,
     ) {
-        let Some(root) = self.bvh.nodes.first() else { return };
         let slabs = Slabs::new(origin - self.eye, direction);
-        let mut limit = limit;
+        let mut reach = slabs.reach(limit);
         let mut stack = Stack::new();
-        let mut leaf = |node: &Bvh2Node, limit: &mut f64| {
-            for slot in node.first_index..node.first_index + node.prim_count {
-                *limit = visit(self.triangle(slot), *limit);
-            }
+        let mut node = match self.bvh.nodes.first() {
+            Some(root) if slabs.entry(root) <= reach => root,
+            _ => return,
         };
-        if slabs.entry(root) == f32::INFINITY {
-            return;
-        }
-        if root.is_leaf() {
-            leaf(root, &mut limit);
-            return;
-        }
-        let mut children = root.first_index as usize;
         loop {
-            let [mut near, mut far] = [&self.bvh.nodes[children], &self.bvh.nodes[children + 1]];
-            let [mut near_t, mut far_t] = [slabs.entry(near), slabs.entry(far)];
-            if far_t < near_t {
-                (near, far, near_t, far_t) = (far, near, far_t, near_t);
-            }
-            let mut next = None;
-            for (node, t) in [(far, far_t), (near, near_t)] {
-                if !node.is_leaf() && slabs.reaches(t, limit) {
-                    if let Some(postponed) = next.replace((node.first_index, t)) {
-                        stack.push(postponed);
+            if node.is_leaf() {
+                for slot in node.first_index..node.first_index + node.prim_count {
+                    limit = visit(self.triangle(slot), limit);
+                }
+                reach = slabs.reach(limit);
+            } else {
+                let first = node.first_index;
+                let children = &self.bvh.nodes[first as usize..first as usize + 2];
+                let entries = [slabs.entry(&children[0]), slabs.entry(&children[1])];
+                let near = usize::from(entries[1] < entries[0]);
+                let far = 1 - near;
+                if entries[near] <= reach {
+                    if entries[far] <= reach {
+                        stack.push((first + far as u32, entries[far]));
                     }
+                    node = &children[near];
+                    continue;
                 }
             }
-            for (node, t) in [(near, near_t), (far, far_t)] {
-                if node.is_leaf() && slabs.reaches(t, limit) {
-                    leaf(node, &mut limit);
+            node = loop {
+                match stack.pop() {
+                    Some((index, entry)) if entry <= reach => {
+                        break &self.bvh.nodes[index as usize];
+                    }
+                    Some(_) => {}
+                    None => return,
                 }
-            }
-            let next = next.into_iter().chain(std::iter::from_fn(|| stack.pop()));
-            let Some((index, _)) = { next }.find(|(_, t)| slabs.reaches(*t, limit)) else { return };
-            children = index as usize;
+            };
         }
     }
 }
 
-/// obvhs's medium build without its clock and its debug checks.
-fn build_tree(boxes: &[Aabb], triangles: Vec<u32>) -> Bvh2 {
+/// obvhs's medium build without its clock and debug checks, and with leaves for a dearer triangle test.
+fn build_tree(boxes: &[Aabb], triangles: &[u32]) -> Bvh2 {
     let mut bvh = PlocBuilder::with_capacity(boxes.len()).build(
         PlocSearchDistance::Medium,
         boxes,
-        triangles,
+        (0..boxes.len() as u32).collect(),
         SortPrecision::U64,
         3,
     );
     let mut optimizer = ReinsertionOptimizer::default();
     optimizer.run(&mut bvh, 0.05, None);
-    collapse(&mut bvh, 8, 3.0);
+    collapse(&mut bvh, 8, 1.0);
     optimizer.run(&mut bvh, 0.1, None);
+    for primitive in &mut bvh.primitive_indices {
+        *primitive = triangles[*primitive as usize];
+    }
     bvh
 }
 
@@ -134,8 +134,8 @@ struct Slabs {
     low_origin: Vec3A,
     high_origin: Vec3A,
     inverse: Vec3A,
-    /// Length of one unit of this ray's parameter in the caller's.
-    unit: f64,
+    /// Length of one unit of the caller's parameter in this ray's.
+    longest: f64,
 }
 
 impl Slabs {
@@ -152,12 +152,7 @@ impl Slabs {
             Vec3A::new(component(direction.x), component(direction.y), component(direction.z));
         let rounded = origin.as_vec3a();
         let slack = rounded.abs() * f32::EPSILON;
-        Self {
-            low_origin: rounded + slack,
-            high_origin: rounded - slack,
-            inverse,
-            unit: 1.0 / longest,
-        }
+        Self { low_origin: rounded + slack, high_origin: rounded - slack, inverse, longest }
     }
 
     /// Parameter at which the ray enters the node's box; infinity for a miss.
@@ -171,10 +166,10 @@ impl Slabs {
         if enter <= leave * (1.0 + 8.0 * f32::EPSILON) { enter } else { f32::INFINITY }
     }
 
-    /// Whether a box entered at `t` may hold something before `limit`.
+    /// The largest entry, always finite, of a box that may hold something before `limit`.
     #[inline(always)]
-    fn reaches(&self, t: f32, limit: f64) -> bool {
-        t < f32::INFINITY && f64::from(t) * self.unit * (1.0 - 1e-6) <= limit
+    fn reach(&self, limit: f64) -> f32 {
+        ((limit * self.longest * (1.0 + 1e-6)) as f32).min(f32::MAX)
     }
 }
 
