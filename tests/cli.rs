@@ -113,7 +113,10 @@ fn each_bad_input_is_one_clear_line() {
         (study(&["--threads", "0"]), &["--threads", "1"]),
         (study(&["--frobnicate"]), &["--frobnicate", "--help"]),
         (study(&["--seed", "-1"]), &["-1"]),
-        (format!("render\n{quad}\n-o\n{blocked}"), &["absent/folder/out.png", "folder that exists"]),
+        (
+            format!("render\n{quad}\n-o\n{blocked}"),
+            &["absent/folder/out.png", "folder that exists"],
+        ),
         (format!("render\n{quad}\n-o\n{folder}/out.jpg"), &["out.jpg", ".png or .exr"]),
         (format!("render\n{quad}\n-o\n{folder}/.png"), &[".png or .exr"]),
         (format!("render\n{quad}\n-o\n{folder}/out.png\n--spp\n0"), &["--spp", "1"]),

@@ -53,7 +53,7 @@ pub struct ReproduceArgs {
     /// Folder for report.html, summary.json and figures/
     #[arg(long, value_name = "DIR", default_value = "out/reproduce")]
     pub out: PathBuf,
-    /// Study a lattice of 40 × 40 pixels, not every pixel, and repeat the form factor 20 times,
+    /// Study a lattice of 36 × 36 pixels, not every pixel, and repeat the form factor 20 times,
     /// not 150
     #[arg(long)]
     pub quick: bool,
@@ -167,6 +167,9 @@ pub struct StudyArgs {
     /// Exit with 1 unless the exponent (of jittered, else of the last sampler) is p ± tol
     #[arg(long, value_name = "P:TOL", allow_hyphen_values = true)]
     pub expect: Option<String>,
+    /// Draw variance against N to a file that ends in .svg or .png
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
     /// Measure the time per sample; rows then run one at a time, on one thread
     #[arg(long)]
     pub timing: bool,

@@ -28,7 +28,7 @@ use stratcore::study::StudyPlan;
 use stratcore::trace::TracedScene;
 
 /// Pixels per axis of the lattice that `--quick` studies.
-const QUICK_LATTICE: u32 = 40;
+const QUICK_LATTICE: u32 = 36;
 /// Repeats of the form factor; with a lattice, and without.
 const REPEATS: [u32; 2] = [20, 150];
 /// Samples per pixel of Figure 1.

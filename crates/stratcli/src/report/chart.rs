@@ -72,7 +72,7 @@ pub fn legend(sampler: &SamplerResult) -> String {
 pub fn convergence(title: &str, result: &StudyResult) -> Svg {
     const LEGEND_ROW: f64 = 19.0;
     let legend_height = LEGEND_ROW * result.samplers.len() as f64;
-    let (width, plot) = (640.0, Rect { x: 78.0, y: 52.0 + legend_height, w: 510.0, h: 340.0 });
+    let (width, plot) = (540.0, Rect { x: 78.0, y: 52.0 + legend_height, w: 412.0, h: 320.0 });
     let mut svg = Svg::new(width, plot.y + plot.h + 56.0, title);
     svg.text([plot.x - 50.0, 30.0], plain(16.0, INK), title);
     for (i, sampler) in result.samplers.iter().enumerate() {

@@ -17,9 +17,9 @@ pub fn class_style(class: Class) -> (&'static str, Marker) {
 
 /// Medians with their quartiles, beside the factors the paper states.
 pub fn draw(gains: &[Gain]) -> Svg {
-    let title = "Gain of stratification: variance of random / variance of jittered";
-    let area = Rect { x: 78.0, y: 72.0 + 19.0 * gains.len() as f64, w: 510.0, h: 300.0 };
-    let mut svg = Svg::new(640.0, area.y + area.h + 56.0, title);
+    let title = "Gain: variance of random / variance of jittered";
+    let area = Rect { x: 78.0, y: 72.0 + 19.0 * gains.len() as f64, w: 412.0, h: 290.0 };
+    let mut svg = Svg::new(540.0, area.y + area.h + 56.0, title);
     svg.text([28.0, 30.0], plain(16.0, INK), title);
     let n_max = gains.iter().flat_map(|g| &g.n).copied().max().unwrap_or(1) as f64;
     let shown = || gains.iter().flat_map(|g| &g.quartiles).flatten().filter(|v| **v > 0.0);

@@ -56,8 +56,8 @@ pub struct Look<'a> {
 
 /// Draws a histogram; the vertical axis is the share of its pixels in a bin.
 pub fn draw(histogram: &Histogram, look: &Look<'_>) -> Svg {
-    let area = Rect { x: 78.0, y: 86.0, w: 530.0, h: 270.0 };
-    let mut svg = Svg::new(640.0, area.y + area.h + 56.0, look.title);
+    let area = Rect { x: 72.0, y: 86.0, w: 420.0, h: 250.0 };
+    let mut svg = Svg::new(520.0, area.y + area.h + 56.0, look.title);
     svg.text([28.0, 30.0], plain(16.0, INK), look.title);
     let total = histogram.total().max(1) as f64;
     let share = |count: u64| 100.0 * count as f64 / total;

@@ -98,7 +98,9 @@ fn table(words: usize, head: &[&str], rows: impl Iterator<Item = Vec<String>>) -
     html! { .table { table {
         thead { tr { @for (i, cell) in head.iter().enumerate() { th class=(class(i)) { (cell) } } } }
         tbody { @for row in rows { tr {
-            @for (i, cell) in row.iter().enumerate() { td class=(class(i)) { (cell) } }
+            @for (i, cell) in row.iter().enumerate() {
+                td class=(class(i)) { (cell.replace('-', "\u{2212}")) }
+            }
         } } }
     } } }
 }
@@ -122,21 +124,22 @@ fn classes(pixels: &Pixels, protocol: &Protocol) -> Markup {
             share.class.predicted_exponent(2).map_or("none".to_owned(), |p| p.to_string()),
             share.pixels.to_string(),
             format!("{:.1} %", 100.0 * share.share),
-            share.sure.to_string(),
+            share.clear.to_string(),
         ]
     });
     html! {
         h3 { "Kinds of pixel" }
         p {
             (pixels.studied) " of " (protocol.pixels) " pixels were studied. A pixel is of the "
-            "class whose predicted p is nearest to its p under jittered sampling; it is so "
-            "surely when the whole 95 % interval is. Exact are pixels of one colour, where "
+            "class whose predicted p is nearest to its p under jittered sampling; clearly so "
+            "when its whole 95 % interval is and its variances follow one line (χ² below its "
+            "99th percentile). Exact are pixels of one colour, where "
             "every estimate is the same number and p does not exist. "
             (pixels.partly_exact) " more have zero variance at some N, because every trial "
             "missed a small feature or an edge lies along the strata: they have a class here, "
             "but no place in the histograms."
         }
-        (table(1, &["class", "predicted p", "pixels", "share", "of them surely"], rows))
+        (table(1, &["class", "predicted p", "pixels", "share", "of them clearly"], rows))
         p {
             "The standard deviation of p under random sampling is "
             (format!("{:.4}", pixels.random.std_deviation)) ". Noise alone gives "

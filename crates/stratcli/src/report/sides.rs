@@ -5,16 +5,17 @@ use super::chart::Style;
 use super::summary::{FormFactorCase, paper};
 use super::svg::{Rect, Stroke, Svg};
 
-/// Mean exponents, all N and without N = 1, each with its standard error and, lighter, the
-/// scatter of one run; across, the paper's two values and theory's.
+/// Mean exponents, all N and without N = 1, each with its standard error and, thinner, the
+/// scatter of one run; what the exact variances fit to; across, the paper's values and theory's.
 pub fn draw(cases: &[FormFactorCase]) -> Svg {
     let (paper, predicted) = (paper::OCCLUDED, 1.25f64);
     let title = "Exponent against the side of the occluder";
-    let area = Rect { x: 78.0, y: 92.0, w: 450.0, h: 270.0 };
-    let mut svg = Svg::new(640.0, area.y + area.h + 56.0, title);
+    let area = Rect { x: 78.0, y: 92.0, w: 370.0, h: 270.0 };
+    let mut svg = Svg::new(540.0, area.y + area.h + 56.0, title);
     svg.text([28.0, 30.0], plain(16.0, INK), title);
     let series = [(0, 2, "all N"), (1, 1, "without N = 1")];
-    let ends = cases.iter().flat_map(|case| {
+    let sides = || cases.iter().filter(|case| case.occluder.is_some());
+    let ends = sides().flat_map(|case| {
         [0, 1].into_iter().filter_map(|i| Some((case.mean[i]?, case.scatter[i]?)))
     });
     let [low, high] = ends
@@ -33,9 +34,9 @@ pub fn draw(cases: &[FormFactorCase]) -> Svg {
         labels.push((paper[i], format!("paper {:.3}", paper[i]), style.colour));
         let row = 54.0 + 19.0 * i as f64;
         svg.marker([36.0, row], style.marker, style.colour);
-        let words = format!("{name}: mean, and scatter of one run (thin bar)");
+        let words = format!("{name}: mean; thin bar, scatter of one run; line, exact");
         svg.text([50.0, row + 4.5], plain(13.0, INK), &words);
-        for case in cases {
+        for case in sides() {
             let (Some(side), Some(mean), Some(error), Some(scatter)) =
                 (case.occluder, case.mean[i], case.std_error[i], case.scatter[i])
             else {
@@ -49,6 +50,8 @@ pub fn draw(cases: &[FormFactorCase]) -> Svg {
             svg.line(from, to, Stroke::solid(style.colour, 3.0));
             svg.marker([at, y.at(mean)], style.marker, style.colour);
         }
+        let exact = sides().filter_map(|case| Some([x.at(case.occluder?), y.at(case.exact[i]?)]));
+        svg.path(&exact.collect::<Vec<_>>(), Stroke::solid(style.colour, 1.0));
     }
     // Labels in the right margin, moved down where they would touch.
     labels.sort_by(|a, b| b.0.total_cmp(&a.0));

@@ -115,8 +115,9 @@ pub struct ClassShare {
     pub class: Class,
     /// Pixels in it.
     pub pixels: usize,
-    /// Of them, those whose 95 % interval of p lies within the class.
-    pub sure: usize,
+    /// Of them, those whose 95 % interval of p lies within the class and whose rows one line
+    /// describes: χ² below its 99th percentile.
+    pub clear: usize,
     /// Share of the studied pixels.
     pub share: f64,
 }
@@ -183,7 +184,7 @@ pub struct Suspect {
 pub struct Gain {
     /// The class.
     pub class: Class,
-    /// Pixels in it that have a class for sure.
+    /// Pixels that are clearly in it.
     pub pixels: usize,
     /// N.
     pub n: Vec<u64>,

@@ -64,8 +64,7 @@ pub fn draw(
         let caption = format!(
             "Figure 5. The inside of three pixels, {INSIDE} × {INSIDE} rays each, stretched to its \
              own range of brightness, with its place in the picture and its convergence. The \
-             rule: among the pixels whose 95 % interval of p lies within the class, the tenth \
-             with most contrast; of those, the one whose p is nearest to the paper's example."
+             rule: among the pixels that are clearly of the class, the tenth with most contrast; of those, the one whose p is nearest to the paper's example."
         );
         let title = "A smooth, an edge and a complex pixel";
         let svg = picture::close_ups(title, photo, drawings.collect());
@@ -74,7 +73,8 @@ pub fn draw(
     report.write()
 }
 
-/// The inside of a pixel, its luminance stretched to the range from black to white.
+/// The inside of a pixel, its luminance stretched from nearly black to nearly white, its hues
+/// kept.
 fn inside(scene: &TracedScene, pixel: [u32; 2]) -> Raster {
     let channels = [Channel::R, Channel::G, Channel::B].map(|c| scene.pixel(pixel, c));
     let at = |i: u32| (f64::from(i) + 0.5) / f64::from(INSIDE);
@@ -85,8 +85,10 @@ fn inside(scene: &TracedScene, pixel: [u32; 2]) -> Raster {
     let luminances = || linear.iter().map(|rgb| Channel::Luminance.of(*rgb));
     let [low, high] =
         luminances().fold([f64::INFINITY, 0.0f64], |[lo, hi], v| [lo.min(v), hi.max(v)]);
-    let range = (high - low).max(f64::MIN_POSITIVE);
-    let stretched: Vec<Rgb> =
-        linear.iter().map(|rgb| rgb.map(|v| 0.02 + 0.9 * (v - low) / range)).collect();
-    Raster::from_linear([INSIDE; 2], &stretched)
+    let stretch = |v: f64| 0.03 + 0.72 * (v - low) / (high - low).max(f64::MIN_POSITIVE);
+    let stretched = linear.iter().zip(luminances()).map(|(rgb, luminance)| match luminance {
+        0.0 => [stretch(0.0); 3],
+        luminance => rgb.map(|v| v * stretch(luminance) / luminance),
+    });
+    Raster::from_linear([INSIDE; 2], &stretched.collect::<Vec<_>>())
 }

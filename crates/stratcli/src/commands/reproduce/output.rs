@@ -2,15 +2,13 @@
 
 use super::verdicts::verdicts;
 use crate::output::{self, AtomicFile};
+use crate::report::PlotFile;
 use crate::report::page::{self, Figure};
 use crate::report::summary::Summary;
 use crate::report::svg::Svg;
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result};
 use std::fs;
 use std::path::{Path, PathBuf};
-
-/// Device pixels per unit in PNG files.
-const PNG_SCALE: f64 = 2.0;
 
 /// A report being written.
 pub struct Report {
@@ -34,10 +32,10 @@ impl Report {
 
     /// Adds a figure: `figures/NAME.svg` and `.png` now, and its place in the page.
     pub fn figure(&mut self, name: &'static str, caption: String, svg: &Svg) -> Result<()> {
-        let png = svg.to_png(PNG_SCALE).map_err(|fault| anyhow!("figure {name}: {fault}"))?;
-        let path = |ending| self.folder.join("figures").join(format!("{name}.{ending}"));
-        write(&path("svg"), svg.to_svg().as_bytes())?;
-        write(&path("png"), &png)?;
+        for ending in ["svg", "png"] {
+            let path = self.folder.join("figures").join(format!("{name}.{ending}"));
+            PlotFile::create(&path)?.commit(svg)?;
+        }
         self.figures.push(Figure { name, caption, inline: svg.to_inline() });
         self.summary.figures.push(name.to_owned());
         Ok(())

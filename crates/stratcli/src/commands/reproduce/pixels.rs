@@ -111,8 +111,8 @@ fn figures(report: &mut Report, photo: &Raster, tally: &Tally, chosen: &[[u32; 2
     report.figure("fig4-map", caption.to_owned(), &map)?;
     let gains = report.summary.claims.as_ref().map(|claims| gain::draw(&claims.gains));
     let caption = "The closing claims. Variance of random over variance of jittered against N: \
-                   median and quartiles over the pixels whose class is sure. Dashed: the \
-                   factors 1, N^½ and N that the paper states.";
+                   median and quartiles over the pixels that are clearly of a class. Dashed: the \
+                   factors 1, √N and N that the paper states.";
     match gains {
         Some(svg) => report.figure("claims-gain", caption.to_owned(), &svg),
         None => Ok(()),

@@ -19,8 +19,9 @@ pub struct Record {
     pub pixel: [u32; 2],
     /// Its class under `jittered`.
     pub class: Class,
-    /// Whether the interval of p lies within the class.
-    pub sure: bool,
+    /// Whether the interval of p lies within the class and one line describes the rows: a
+    /// horizontal edge, whose variance jumps from N to N, has an exponent in name only.
+    pub clear: bool,
     /// Fits under `random` and `jittered` through every row; none where some row is exact.
     pub fits: Option<Fits>,
 }
@@ -100,7 +101,7 @@ impl Tally {
         self.records.push(Record {
             pixel: study.pixel,
             class: if exact { Class::Exact } else { jittered.class.unwrap_or(Class::Complex) },
-            sure: jittered.class_is_sure,
+            clear: jittered.class_is_sure && jittered.fit.is_none_or(|fit| is_straight(&fit)),
             fits,
         });
         for (i, (r, j)) in random.rows.iter().zip(&jittered.rows).enumerate() {
@@ -146,8 +147,8 @@ impl Tally {
         let classes = [Class::Exact, Class::Smooth, Class::Edge, Class::Complex].map(|class| {
             let of_class = || self.records.iter().filter(|r| r.class == class);
             let pixels = of_class().count();
-            let sure = of_class().filter(|r| r.sure).count();
-            ClassShare { class, pixels, sure, share: pixels as f64 / studied as f64 }
+            let clear = of_class().filter(|r| r.clear).count();
+            ClassShare { class, pixels, clear, share: pixels as f64 / studied as f64 }
         });
         Pixels {
             studied,
@@ -189,14 +190,14 @@ impl Tally {
         (self.counts.iter().zip(&self.per_n).map(|(&n, &t)| row(n, t)).collect(), row(0, beyond))
     }
 
-    /// Gains of the pixels that are of a class for sure.
+    /// Gains of the pixels that are clearly of a class.
     pub fn gains(&self) -> Vec<Gain> {
         let rows = self.counts.len();
         [(Class::Smooth, 1.0), (Class::Edge, 0.5), (Class::Complex, 0.0)]
             .map(|(class, power)| {
                 let of_class = || {
                     let gains = self.records.iter().zip(self.ln_gains.chunks_exact(rows));
-                    gains.filter(move |(r, _)| r.class == class && r.sure && r.fits.is_some())
+                    gains.filter(move |(r, _)| r.class == class && r.clear && r.fits.is_some())
                 };
                 let quartiles = (0..rows).map(|i| {
                     let mut column: Vec<_> = of_class().map(|(_, g)| f64::from(g[i])).collect();
@@ -216,14 +217,14 @@ impl Tally {
             .collect()
     }
 
-    /// The rule that picks a close-up: among the class's pixels that are of it for sure, the
+    /// The rule that picks a close-up: among the pixels that are clearly of the class, the
     /// tenth with most contrast; of those, the one whose p is nearest to `paper`. With it, how
     /// many it was chosen among.
     pub fn close_up(&self, class: Class, paper: f64) -> Option<(Record, Fits, usize)> {
         let mut candidates: Vec<_> = self
             .records
             .iter()
-            .filter(|r| r.class == class && r.sure)
+            .filter(|r| r.class == class && r.clear)
             .filter_map(|r| Some((*r, r.fits?)))
             .collect();
         candidates.sort_by(|a, b| b.1.contrast.total_cmp(&a.1.contrast));
@@ -237,6 +238,14 @@ impl Tally {
 /// One sampler's part of a study.
 pub fn named<'a>(study: &'a StudyResult, name: &str) -> Option<&'a SamplerResult> {
     study.samplers.iter().find(|s| s.name == name)
+}
+
+/// Whether the residuals are no larger than noise makes them: χ² below its 99th percentile, by
+/// the cube-root approximation of Wilson & Hilferty (1931).
+fn is_straight(fit: &Fit) -> bool {
+    let dof = fit.points.saturating_sub(2) as f64;
+    let spread = 2.0 / (9.0 * dof);
+    fit.chi2 <= dof * (1.0 - spread + QUANTILE * spread.sqrt()).powi(3)
 }
 
 /// Linear interpolation between order statistics; NaN without any.
@@ -253,7 +262,7 @@ pub fn mean_and_deviation(values: &[f64]) -> [f64; 2] {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
     let squares: f64 = values.iter().map(|v| (v - mean).powi(2)).sum();
-    [mean, (squares / (n - 1.0)).sqrt()]
+    [mean, if n < 2.0 { f64::NAN } else { (squares / (n - 1.0)).sqrt() }]
 }
 
 fn exponents(fits: Vec<[f64; 2]>) -> Exponents {
@@ -348,6 +357,23 @@ mod tests {
         assert!((1..=3).contains(&among));
         assert!((fits.contrast - 0.5).abs() < 0.05);
         assert!(Tally::new(&[1, 4]).close_up(Class::Smooth, 2.0).is_none());
+    }
+
+    #[test]
+    fn a_straight_fit_has_a_chi_square_below_its_99th_percentile() {
+        let fit = |chi2, points| Fit {
+            exponent: 1.0,
+            std_error: 0.03,
+            ci95: [0.9, 1.1],
+            log10_constant: 0.0,
+            n_min: 1,
+            n_max: 256,
+            points,
+            chi2,
+        };
+        // Tables: 29.14 at 14 degrees of freedom, 13.28 at 4.
+        assert!(is_straight(&fit(29.1, 16)) && !is_straight(&fit(29.2, 16)));
+        assert!(is_straight(&fit(13.2, 6)) && !is_straight(&fit(13.4, 6)));
     }
 
     #[test]
