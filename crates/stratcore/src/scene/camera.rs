@@ -84,7 +84,7 @@ impl Camera {
     /// [`CameraFault`] says what is wrong and how to mend it.
     pub fn check(&self) -> Result<(), CameraFault> {
         for (name, v) in [("eye", self.eye), ("look_at", self.look_at), ("up", self.up)] {
-            if !(v.abs().max_element() <= MAX_COORDINATE) {
+            if !v.to_array().iter().all(|x| x.abs() <= MAX_COORDINATE) {
                 return Err(CameraFault::Coordinate { name, value: v.to_array() });
             }
         }

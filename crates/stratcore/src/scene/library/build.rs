@@ -11,6 +11,12 @@ impl Model {
         self.materials.len() as u32 - 1
     }
 
+    /// Adds a material that only emits, the same in all directions.
+    pub(super) fn emitter(&mut self, name: &str, ke: Rgb) -> u32 {
+        self.materials.push(Material { name: name.to_owned(), kd: [0.0; 3], ke });
+        self.materials.len() as u32 - 1
+    }
+
     /// Adds all of another model. Where only one of the two has shading normals, the other's
     /// are geometric.
     pub(in crate::scene) fn append(&mut self, other: Self) {
