@@ -17,7 +17,13 @@ pub struct Cli {
 #[derive(Debug, Clone, Args)]
 pub struct Common {
     /// Seed of all randomness: the same seed gives the same bytes
-    #[arg(long, global = true, value_name = "SEED", default_value_t = 1996)]
+    #[arg(
+        long,
+        global = true,
+        value_name = "SEED",
+        default_value_t = 1996,
+        allow_negative_numbers = true
+    )]
     pub seed: u64,
     /// Threads to compute with, 1 to 1024 [default: one per core]; no result depends on it
     #[arg(long, global = true, value_name = "T", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -158,7 +164,7 @@ pub struct StudyArgs {
     #[arg(long, value_name = "M", default_value_t = 50, allow_negative_numbers = true)]
     pub trials: u32,
     /// Sample counts N: 1..16^2 (1, 4, 9, …, 256), 2^0..2^12, or a list such as 1,4,16
-    /// [default: 1..16^2; 1..k^d in d > 2 dimensions, up to some 10,000]
+    /// [default: 1..16^2; in d > 2 dimensions 1..k^d, up to 10,000]
     #[arg(long, value_name = "COUNTS")]
     pub counts: Option<String>,
     /// What to do with an N that a sampler cannot make

@@ -149,7 +149,13 @@ impl MeshTable {
         let fault = match (&self.path, &self.builtin) {
             (Some(path), None) => return obj::read(&file.with_file_name(path), smooth, notes),
             (None, Some(name)) => match library::model(name) {
-                Some(model) => return Ok(model),
+                Some(model) => {
+                    if smooth {
+                        let file = file.display();
+                        notes.push(format!("{file}: mesh \"{name}\" has no normals: it is flat"));
+                    }
+                    return Ok(model);
+                }
                 None => {
                     let known = library::MODELS.join(", ");
                     format!("no built-in mesh is called \"{name}\"; there are {known}")

@@ -1,8 +1,10 @@
 //! The experiment: pixels × samplers × N × M. The only module that owns threads.
 
+mod picture;
 mod plan;
 mod result;
 
+pub use picture::{Image, render};
 pub use plan::{SamplerChoice, StudyPlan};
 pub use result::{Row, SamplerResult, StudyResult};
 

@@ -67,3 +67,44 @@ fn two_sum(a: f64, b: f64) -> (f64, f64) {
     let b_part = sum - a;
     (sum, (a - (sum - b_part)) + (b - b_part))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    fn integer(v: [i64; 9]) -> i128 {
+        let [a, b, c, d, e, f, g, h, i] = v.map(i128::from);
+        a * (e * i - f * h) + b * (f * g - d * i) + c * (d * h - e * g)
+    }
+
+    fn vectors(v: [i64; 9]) -> [DVec3; 3] {
+        let v = v.map(|x| x as f64);
+        [DVec3::from_slice(&v), DVec3::from_slice(&v[3..]), DVec3::from_slice(&v[6..])]
+    }
+
+    /// Against 128-bit integers, for vectors that almost or exactly lie in one plane: the third
+    /// is the sum of the others but for at most one unit.
+    #[test]
+    fn signs_are_those_of_integer_arithmetic() {
+        let mut random = Xoshiro256PlusPlus::seed_from_u64(7);
+        let mut zeros = 0;
+        for _ in 0..20_000 {
+            let mut v = [0; 9];
+            for x in &mut v[..6] {
+                *x = random.random_range(-(1i64 << 39)..1 << 39);
+            }
+            for i in 0..3 {
+                v[6 + i] = v[i] + v[3 + i];
+            }
+            v[random.random_range(6..9)] += random.random_range(-1..2);
+            let [a, b, c] = vectors(v);
+            let (exact, ours) = (integer(v), determinant(a, b, c));
+            assert_eq!(exact.signum() as f64, if ours == 0.0 { 0.0 } else { ours.signum() });
+            assert!((ours - exact as f64).abs() <= 4.0 * f64::EPSILON * ours.abs());
+            zeros += i32::from(exact == 0);
+        }
+        assert!(zeros > 1000, "{zeros}");
+    }
+}

@@ -3,6 +3,8 @@
 mod accel;
 mod exact;
 mod integrand;
+#[cfg(test)]
+mod tests;
 mod tracer;
 mod triangle;
 

@@ -44,25 +44,24 @@ fn still_life(model: &mut Model) {
     let [teal, plum] = [model.material("teal", TEAL), model.material("plum", PLUM)];
     let [rose, stone] = [model.material("rose", ROSE), model.material("stone", STONE)];
     let ball = |radius: f64| DVec3::splat(radius);
-    place(model, &fine, ball(1.4), 0.0, dvec3(0.8, 1.4, 9.6), coral);
-    place(model, &medium, ball(0.7), 0.0, dvec3(-1.1, 0.7, 7.0), amber);
+    place(model, &fine, ball(1.4), 0.0, dvec3(0.9, 1.4, 9.6), coral);
+    place(model, &fine, ball(0.7), 0.0, dvec3(-1.1, 0.7, 7.0), amber);
     place(model, &medium, ball(0.42), 0.0, dvec3(1.25, 0.42, 5.4), teal);
     place(model, &cube(), dvec3(0.62, 1.1, 0.62), 0.5, dvec3(-3.0, 1.1, 10.8), stone);
     place(model, &medium, ball(0.5), 0.0, dvec3(-3.0, 2.7, 10.8), teal);
-    place(model, &cube(), ball(0.55), 0.62, dvec3(3.1, 0.55, 9.4), plum);
-    place(model, &cube(), dvec3(0.3, 0.3, 0.3), 0.2, dvec3(3.05, 1.4, 9.45), amber);
+    place(model, &cube(), ball(0.55), 0.62, dvec3(2.9, 0.55, 9.4), plum);
+    place(model, &cube(), dvec3(0.3, 0.3, 0.3), 0.2, dvec3(2.85, 1.4, 9.45), amber);
     place(model, &torus(0.32, 96, 40), ball(0.42), 0.0, dvec3(-0.25, 0.1344, 4.5), rose);
 }
 
-/// Two rows of ever more distant balls and boxes.
+/// A row of balls and a row of pillars that run to the vanishing point.
 fn avenue(model: &mut Model) {
     let ball = icosphere(3);
-    let [coral, stone] = [model.material("far coral", CORAL), model.material("far stone", STONE)];
+    let [ivory, stone] = [model.material("far ball", IVORY), model.material("pillar", STONE)];
     for step in 0..10 {
-        let z = 15.0 * 1.28f64.powi(step);
-        let x = 0.3 * z + 1.0;
-        place(model, &ball, DVec3::splat(1.0), 0.0, dvec3(-x, 1.0, z), coral);
-        place(model, &cube(), dvec3(0.6, 1.6, 0.6), 0.4, dvec3(x, 1.6, z), stone);
+        let z = 15.0 + 6.0 * f64::from(step);
+        place(model, &ball, DVec3::splat(0.7), 0.0, dvec3(-2.1, 0.7, z), ivory);
+        place(model, &cube(), dvec3(0.45, 1.7, 0.45), 0.0, dvec3(7.0, 1.7, z + 6.0), stone);
     }
 }
 

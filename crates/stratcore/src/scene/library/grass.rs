@@ -29,8 +29,8 @@ pub(super) fn model() -> Model {
         })
         .collect();
     for _ in 0..BLADES {
-        // Area grows with depth, so that the density is even over the wedge that is seen.
-        let z = 0.6 + (DEPTH - 0.6) * random.random::<f64>().sqrt();
+        // A square root would be even over the wedge that is seen; this is denser in front.
+        let z = 0.6 + (DEPTH - 0.6) * random.random::<f64>().powf(0.65);
         let x = (random.random::<f64>() * 2.0 - 1.0) * (0.46 * z + 0.4);
         let dry = random.random::<f64>() * random.random::<f64>();
         blade(&mut model, &mut random, dvec3(x, 0.0, z), greens[(dry * 8.0) as usize]);

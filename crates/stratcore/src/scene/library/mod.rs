@@ -1,4 +1,5 @@
-//! Scenes and shapes that are made by code: the same triangles on every machine and every run.
+//! Scenes and shapes that are made by code: the same triangles on every run, and on every
+//! machine but for the last bit of its sines and powers.
 
 mod build;
 mod classic;
