@@ -59,13 +59,16 @@ pub struct ReproduceArgs {
     /// Folder for report.html, summary.json and figures/
     #[arg(long, value_name = "DIR", default_value = "out/reproduce")]
     pub out: PathBuf,
-    /// Study a lattice of 36 × 36 pixels, not every pixel, and repeat the form factor 20 times,
-    /// not 150
+    /// Study a lattice of 32 × 32 pixels, not every pixel, and repeat the form factor less often
     #[arg(long)]
     pub quick: bool,
-    /// Study a lattice of L × L pixels, evenly over the picture, and repeat as with --quick
+    /// Study a lattice of L × L pixels, evenly over the picture
     #[arg(long, value_name = "L", conflicts_with = "quick", value_parser = clap::value_parser!(u32).range(1..))]
     pub lattice: Option<u32>,
+    /// Repeats of the form factor's study, each with its own seed, at least 2 [default: 150; 20
+    /// with a lattice]
+    #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(2..))]
+    pub repeats: Option<u32>,
     /// The scene: a file, or a built-in one (see `stratcli list scenes`)
     #[arg(long, value_name = "SCENE", default_value = "classic")]
     pub scene: String,

@@ -24,15 +24,17 @@ use output::Report;
 use stratcore::StudyError;
 use stratcore::integrand::Integrand as _;
 use stratcore::scene::{self, Channel};
-use stratcore::study::StudyPlan;
+use stratcore::study::{StudyPlan, render};
 use stratcore::trace::TracedScene;
 
 /// Pixels per axis of the lattice that `--quick` studies.
-const QUICK_LATTICE: u32 = 36;
-/// Repeats of the form factor; with a lattice, and without.
-const REPEATS: [u32; 2] = [20, 150];
+const QUICK_LATTICE: u32 = 32;
+/// Repeats of the form factor with a lattice, unless told.
+const QUICK_REPEATS: u32 = 20;
+/// Repeats of the form factor without, unless told.
+const REPEATS: u32 = 150;
 /// Samples per pixel of Figure 1.
-const PICTURE_SPP: u64 = 64;
+const PICTURE_SPP: u64 = 16;
 
 pub fn run(args: &ReproduceArgs, common: &Common) -> Result<Outcome> {
     let scene = TracedScene::new(scene::load(&args.scene)?);
@@ -67,6 +69,9 @@ fn blank_summary(args: &ReproduceArgs, scene: &TracedScene, plan: &StudyPlan) ->
     if let Some(side) = args.lattice {
         command += &format!(" --lattice {side}");
     }
+    if let Some(repeats) = args.repeats {
+        command += &format!(" --repeats {repeats}");
+    }
     command += &format!(" --scene {} --seed {}", args.scene, plan.seed);
     let ln_n: Vec<_> = plan.counts.iter().map(|n| (*n as f64).ln()).collect();
     let mean = ln_n.iter().sum::<f64>() / ln_n.len() as f64;
@@ -85,6 +90,11 @@ fn blank_summary(args: &ReproduceArgs, scene: &TracedScene, plan: &StudyPlan) ->
             counts: plan.counts.clone(),
             trials: plan.n_trials,
             seed: plan.seed,
+            repeats: args.repeats.unwrap_or(if lattice.is_some() {
+                QUICK_REPEATS
+            } else {
+                REPEATS
+            }),
             noise_of_p: (2.0 / f64::from(plan.n_trials - 1)).sqrt() / sxx.sqrt(),
         },
         pixels: None,
@@ -113,8 +123,8 @@ fn picture(report: &mut Report, scene: &TracedScene, seed: u64, common: &Common)
     let size = scene.scene().camera.resolution;
     let samples = u64::from(size[0]) * u64::from(size[1]) * PICTURE_SPP;
     let progress = Progress::new("picture", samples, common);
-    let linear = render(scene, PICTURE_SPP, seed, progress.control())?;
-    let photo = Raster::from_linear(size, &linear);
+    let image = render(scene, PICTURE_SPP, seed, progress.control())?;
+    let photo = Raster::from_linear(size, &image.pixels);
     let title = format!("The picture: {}", scene.scene().name);
     let caption = format!(
         "Figure 1. The ray-traced picture whose pixels are studied: {} triangles, {} × {} \
@@ -129,7 +139,7 @@ fn picture(report: &mut Report, scene: &TracedScene, seed: u64, common: &Common)
 }
 
 fn form_factor(report: &mut Report, seed: u64, common: &Common) -> Result<()> {
-    let repeats = REPEATS[usize::from(report.summary.protocol.lattice.is_none())];
+    let repeats = report.summary.protocol.repeats;
     let progress = Progress::new("form factor", form_factor::samples(repeats)?, common);
     let found = form_factor::measure(seed, repeats, progress.control())?;
     for (name, occluder, words) in [
@@ -160,27 +170,4 @@ fn text(report: &Report) -> String {
         rows.push([&v.what, &v.paper, &v.ours, &v.verdict].map(Clone::clone).to_vec());
     }
     format!("{}\n{}", columns(Align::Left, &rows), report.page().display()) + "\n"
-}
-
-fn render(
-    scene: &TracedScene,
-    _spp: u64,
-    _seed: u64,
-    _c: stratcore::study::Control<'_>,
-) -> Result<Vec<scene::Rgb>> {
-    let [w, h] = scene.scene().camera.resolution;
-    Ok((0..h)
-        .flat_map(|y| (0..w).map(move |x| [x, y]))
-        .map(|p| {
-            [Channel::R, Channel::G, Channel::B].map(|c| {
-                let f = scene.pixel(p, c);
-                (0..16)
-                    .map(|i| {
-                        f.eval(&[(f64::from(i % 4) + 0.5) / 4.0, (f64::from(i / 4) + 0.5) / 4.0])
-                    })
-                    .sum::<f64>()
-                    / 16.0
-            })
-        })
-        .collect())
 }

@@ -142,7 +142,10 @@ fn classes(pixels: &Pixels, protocol: &Protocol) -> Markup {
         (table(1, &["class", "predicted p", "pixels", "share", "of them clearly"], rows))
         p {
             "The standard deviation of p under random sampling is "
-            (format!("{:.4}", pixels.random.std_deviation)) ". Noise alone gives "
+            (format!("{:.4}", pixels.random.std_deviation)) ", or "
+            (format!("{:.4}", pixels.random.robust_deviation)) " without its tails (interquartile "
+            "range over 1.349): a small feature that most trials miss makes a few fits far "
+            "worse than their own standard error says. Noise alone gives "
             (format!("{:.4}", protocol.noise_of_p)) " for normal trial means; the fits' own "
             "standard errors, which know the trials' kurtosis, are "
             (format!("{:.4}", pixels.random.typical_std_error)) " (root mean square)."

@@ -66,6 +66,8 @@ pub struct Protocol {
     pub trials: u32,
     /// Seed of all randomness.
     pub seed: u64,
+    /// Repeats of the form factor's study.
+    pub repeats: u32,
     /// Standard deviation of a fitted p from M normal trials at each N and nothing else:
     /// sqrt(2/(M-1)) / sqrt(Σ (ln N - mean ln N)²).
     pub noise_of_p: f64,
@@ -100,6 +102,9 @@ pub struct Exponents {
     pub std_error: f64,
     /// Standard deviation of p over pixels.
     pub std_deviation: f64,
+    /// Interquartile range over 1.349: the standard deviation if the distribution is normal,
+    /// whatever its tails.
+    pub robust_deviation: f64,
     /// Root mean square of the fits' own standard errors.
     pub typical_std_error: f64,
     /// 1st, 50th and 99th percentile.

@@ -276,6 +276,7 @@ fn exponents(fits: Vec<[f64; 2]>) -> Exponents {
         mean,
         std_error: std_deviation / n.sqrt(),
         std_deviation,
+        robust_deviation: (quantile(&p, 0.75) - quantile(&p, 0.25)) / 1.349,
         typical_std_error: mean_square.sqrt(),
         percentiles: [0.01, 0.5, 0.99].map(|q| quantile(&p, q)),
         histogram: Histogram::of_exponents(p.into_iter()),

@@ -48,9 +48,10 @@ fn exponents(pixels: &Pixels, noise: f64) -> Vec<Verdict> {
             "Fig. 2: p under random, every pixel",
             "1",
             format!(
-                "{}, sd {:.3}",
+                "{}, sd {:.3} ({:.3} without tails)",
                 with_error(random.mean, random.std_error),
-                random.std_deviation
+                random.std_deviation,
+                random.robust_deviation
             ),
             (random.mean - 1.0).abs() <= noise,
             ["agrees", "differs"].map(|w| format!("mean {w} to the noise of one fit, {noise:.3}")),
