@@ -26,10 +26,10 @@ fn exact_exponent(rows: impl Iterator<Item = (u64, f64)>) -> f64 {
     fit(rows.iter().map(|(n, spread)| (*n, spread))).unwrap().exponent
 }
 
-/// Studies a pixel of `edges` with 400 trials: `random` must have p = 1 and `jittered` the
+/// Studies a pixel of `edges` with 200 trials: `random` must have p = 1 and `jittered` the
 /// `expected` one, each within 4 of the fit's standard errors (one false alarm in 16,000).
 fn check_pixel(scene: &TracedScene, pixel: [u32; 2], expected: f64, class: Class) {
-    let plan = StudyPlan { n_trials: 400, ..StudyPlan::paper() };
+    let plan = StudyPlan { n_trials: 200, ..StudyPlan::paper() };
     let integrand = scene.pixel(pixel, Channel::Luminance);
     let result = study(&integrand, pixel, &plan, Control::unwatched()).unwrap();
     for (sampler, expected) in result.samplers.iter().zip([1.0, expected]) {
