@@ -17,7 +17,13 @@ pub struct Cli {
 #[derive(Debug, Clone, Args)]
 pub struct Common {
     /// Seed of all randomness: the same seed gives the same bytes
-    #[arg(long, global = true, value_name = "SEED", default_value_t = 1996)]
+    #[arg(
+        long,
+        global = true,
+        value_name = "SEED",
+        default_value_t = 1996,
+        allow_negative_numbers = true
+    )]
     pub seed: u64,
     /// Threads to compute with, 1 to 1024 [default: one per core]; no result depends on it
     #[arg(long, global = true, value_name = "T", value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -32,6 +38,8 @@ pub struct Common {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
+    /// The paper: every figure and number on ray-traced scenes, as report.html
+    Reproduce(ReproduceArgs),
     /// A picture of a scene, one jittered estimate per pixel
     //RENDER
     /// What a scene holds, what its pixels integrate over, and what theory predicts
@@ -44,6 +52,26 @@ pub enum Command {
     List(ListArgs),
     /// A completion script for a shell
     Completions(CompletionsArgs),
+}
+
+#[derive(Debug, Args)]
+pub struct ReproduceArgs {
+    /// Folder for report.html, summary.json and figures/
+    #[arg(long, value_name = "DIR", default_value = "out/reproduce")]
+    pub out: PathBuf,
+    /// Study a lattice of 32 × 32 pixels, not every pixel, and repeat the form factor less often
+    #[arg(long)]
+    pub quick: bool,
+    /// Study a lattice of L × L pixels, evenly over the picture
+    #[arg(long, value_name = "L", conflicts_with = "quick", value_parser = clap::value_parser!(u32).range(1..))]
+    pub lattice: Option<u32>,
+    /// Repeats of the form factor's study, each with its own seed, at least 2 [default: 150; 20
+    /// with a lattice]
+    #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(2..))]
+    pub repeats: Option<u32>,
+    /// The scene: a file, or a built-in one (see `stratcli list scenes`)
+    #[arg(long, value_name = "SCENE", default_value = "classic")]
+    pub scene: String,
 }
 
 #[derive(Debug, Args)]
@@ -139,7 +167,7 @@ pub struct StudyArgs {
     #[arg(long, value_name = "M", default_value_t = 50, allow_negative_numbers = true)]
     pub trials: u32,
     /// Sample counts N: 1..16^2 (1, 4, 9, …, 256), 2^0..2^12, or a list such as 1,4,16
-    /// [default: 1..16^2; 1..k^d in d > 2 dimensions, up to some 10,000]
+    /// [default: 1..16^2; in d > 2 dimensions 1..k^d, up to 10,000]
     #[arg(long, value_name = "COUNTS")]
     pub counts: Option<String>,
     /// What to do with an N that a sampler cannot make
@@ -148,6 +176,9 @@ pub struct StudyArgs {
     /// Exit with 1 unless the exponent (of jittered, else of the last sampler) is p ± tol
     #[arg(long, value_name = "P:TOL", allow_hyphen_values = true)]
     pub expect: Option<String>,
+    /// Draw variance against N to a file that ends in .svg or .png
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
     /// Measure the time per sample; rows then run one at a time, on one thread
     #[arg(long)]
     pub timing: bool,

@@ -9,6 +9,7 @@ mod output;
 mod picture;
 mod plan;
 mod progress;
+mod report;
 mod table;
 
 use clap::Parser;

@@ -26,10 +26,15 @@ pub fn print(text: &str) -> Result<()> {
         .context("cannot write to standard output")
 }
 
-/// Writes one JSON document to standard output. A number that is not finite becomes null.
-pub fn print_json(body: impl Serialize) -> Result<()> {
+/// One JSON document. A number that is not finite becomes null.
+pub fn json(body: impl Serialize) -> Result<String> {
     let document = Document { schema: SCHEMA, version: env!("CARGO_PKG_VERSION"), body };
-    print(&(serde_json::to_string_pretty(&document)? + "\n"))
+    Ok(serde_json::to_string_pretty(&document)? + "\n")
+}
+
+/// Writes one JSON document to standard output.
+pub fn print_json(body: impl Serialize) -> Result<()> {
+    print(&json(body)?)
 }
 
 /// Writes one line to standard error. Where nobody listens there, nobody is told.

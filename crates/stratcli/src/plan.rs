@@ -21,7 +21,7 @@ pub fn study_plan(args: &StudyArgs, common: &Common, dim: usize) -> Result<Study
             .context("--samplers")?,
         counts: match &args.counts {
             Some(text) => parse_counts(text).context("--counts")?,
-            None => default_counts(dim),
+            None => default_counts(dim)?,
         },
         count_policy: match args.n_policy {
             NPolicy::Error => CountPolicy::Error,
@@ -36,10 +36,19 @@ pub fn study_plan(args: &StudyArgs, common: &Common, dim: usize) -> Result<Study
 /// The paper's counts in two dimensions (1, 4, …, 256) and in four (1, 16, …, 10,000). In any
 /// other number of dimensions above two, N = k^d up to the same 10,000, but two counts at
 /// the least: below that there is no slope.
-fn default_counts(dim: usize) -> Vec<u64> {
+fn default_counts(dim: usize) -> Result<Vec<u64>> {
     const LARGEST: u64 = 10_000;
-    let dim = if dim <= 2 { 2 } else { u32::try_from(dim).unwrap_or(u32::MAX) };
-    (1..=16u64).map_while(|k| k.checked_pow(dim).filter(|n| k <= 2 || *n <= LARGEST)).collect()
+    const MOST_DIMS: usize = 16;
+    ensure!(
+        dim <= MOST_DIMS,
+        "in {dim} dimensions even two strata per axis are 2^{dim} points; say which N are meant, \
+         such as --counts 2^0..2^12 with --samplers random"
+    );
+    let exponent = dim.max(2) as u32;
+    Ok((1..=16u64)
+        .map(|k| k.pow(exponent))
+        .take_while(|n| *n <= LARGEST || *n == 1 << dim)
+        .collect())
 }
 
 /// Two values with `separator` between them.
@@ -60,11 +69,10 @@ pub fn parameter(text: &str) -> Result<(String, f64)> {
     let Some((name, value)) = text.split_once('=') else {
         bail!("--set {text}: not a parameter; write name=value");
     };
-    let value = value
-        .trim()
-        .parse()
-        .with_context(|| format!("--set {text}: the value is not a number; write name=value"))?;
-    Ok((name.trim().to_owned(), value))
+    match value.trim().parse() {
+        Ok(value) => Ok((name.trim().to_owned(), value)),
+        Err(_) => bail!("--set {text}: the value is not a number; write name=value"),
+    }
 }
 
 /// `--expect P:TOL`: the exponent a study should find.
@@ -133,15 +141,16 @@ mod tests {
 
     #[test]
     fn default_counts_are_the_papers_and_never_too_many() {
-        assert_eq!(default_counts(2), StudyPlan::paper().counts);
-        assert_eq!(default_counts(4), parse_counts("1..10^4").unwrap());
-        assert_eq!(default_counts(1), default_counts(2));
-        assert_eq!(default_counts(3).last(), Some(&4096));
-        for dim in 3..=40 {
-            let counts = default_counts(dim);
-            assert!(counts.len() >= 2, "{dim}");
-            assert!(counts[2..].iter().all(|n| *n <= 10_000), "{dim}");
+        let counts = |dim| default_counts(dim).unwrap();
+        assert_eq!(counts(2), StudyPlan::paper().counts);
+        assert_eq!(counts(4), parse_counts("1..10^4").unwrap());
+        assert_eq!(counts(1), counts(2));
+        assert_eq!(counts(3).last(), Some(&4096));
+        assert_eq!(counts(16), [1, 65536]);
+        for dim in 3..=16 {
+            assert!(counts(dim).len() >= 2 && counts(dim)[2..].iter().all(|n| *n <= 10_000));
         }
+        assert!(default_counts(17).unwrap_err().to_string().contains("--counts"));
     }
 
     #[test]

@@ -5,6 +5,7 @@ mod inspect;
 mod integrand;
 mod list;
 mod pixel;
+mod reproduce;
 mod study;
 
 use crate::cli::{Cli, Command};
@@ -38,6 +39,7 @@ impl Outcome {
 pub fn run(cli: &Cli) -> Result<Outcome> {
     let common = &cli.common;
     with_threads(common.threads.map(usize::from), || match &cli.command {
+        Command::Reproduce(args) => reproduce::run(args, common),
         Command::Inspect(args) => inspect::run(args, common),
         Command::Integrand(args) => integrand::run(args, common),
         Command::Pixel(args) => pixel::run(args, common),

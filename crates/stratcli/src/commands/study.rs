@@ -5,6 +5,7 @@ use crate::cli::{Common, StudyArgs};
 use crate::output;
 use crate::plan::{self, Expectation, Verdict};
 use crate::progress::Progress;
+use crate::report::{PlotFile, chart};
 use crate::table;
 use anyhow::Result;
 use serde::Serialize;
@@ -36,6 +37,7 @@ pub fn run(
 ) -> Result<Outcome> {
     let expectation = args.expect.as_deref().map(str::parse::<Expectation>).transpose()?;
     let plan = plan::study_plan(args, common, integrand.dim())?;
+    let plot = args.plot.as_deref().map(PlotFile::create).transpose()?;
     let per_trial: u64 = plan
         .counts_used(integrand.dim())?
         .iter()
@@ -50,6 +52,9 @@ pub fn run(
     let result = study(integrand, pixel, &plan, control)?;
     drop(progress);
 
+    if let Some(plot) = plot {
+        plot.commit(&chart::convergence(title, &result))?;
+    }
     let verdict = match expectation {
         Some(expectation) if result.complete => expectation.judge(&result),
         _ => None,

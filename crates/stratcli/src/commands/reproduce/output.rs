@@ -1,0 +1,61 @@
+//! The folder that a reproduction leaves: written anew after every part.
+
+use super::verdicts::verdicts;
+use crate::output::{self, AtomicFile};
+use crate::report::PlotFile;
+use crate::report::page::{self, Figure};
+use crate::report::summary::Summary;
+use crate::report::svg::Svg;
+use anyhow::{Context, Result};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A report being written.
+pub struct Report {
+    folder: PathBuf,
+    /// Every number so far.
+    pub summary: Summary,
+    figures: Vec<Figure>,
+}
+
+impl Report {
+    /// Makes the folder and writes the empty report there, so that an unwritable place is found
+    /// before the work is done.
+    pub fn create(folder: &Path, summary: Summary) -> Result<Self> {
+        fs::create_dir_all(folder.join("figures")).with_context(|| {
+            format!("cannot make the folder {}; choose another with --out", folder.display())
+        })?;
+        let mut report = Self { folder: folder.to_owned(), summary, figures: Vec::new() };
+        report.write()?;
+        Ok(report)
+    }
+
+    /// Adds a figure: `figures/NAME.svg` and `.png` now, and its place in the page.
+    pub fn figure(&mut self, name: &'static str, caption: String, svg: &Svg) -> Result<()> {
+        for ending in ["svg", "png"] {
+            let path = self.folder.join("figures").join(format!("{name}.{ending}"));
+            PlotFile::create(&path)?.commit(svg)?;
+        }
+        self.figures.push(Figure { name, caption, inline: svg.to_inline() });
+        self.summary.figures.push(name.to_owned());
+        Ok(())
+    }
+
+    /// Writes the page and the numbers as they stand.
+    pub fn write(&mut self) -> Result<()> {
+        self.summary.verdicts = verdicts(&self.summary);
+        let page = page::render(&self.summary, &self.figures);
+        write(&self.folder.join("report.html"), page.as_bytes())?;
+        let json = output::json(&self.summary)?;
+        write(&self.folder.join("summary.json"), json.as_bytes())
+    }
+
+    /// Where the page is.
+    pub fn page(&self) -> PathBuf {
+        self.folder.join("report.html")
+    }
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+    AtomicFile::create(path)?.commit(bytes)
+}

@@ -1,0 +1,134 @@
+//! Small RGB pictures and their PNG form.
+
+use stratcore::scene::Rgb;
+
+/// An 8-bit sRGB picture, row by row from the top-left.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Raster {
+    /// Width and height.
+    pub size: [u32; 2],
+    /// Pixels, `width * height` of them.
+    pub rgb: Vec<[u8; 3]>,
+}
+
+impl Raster {
+    /// One colour all over.
+    pub fn filled(size: [u32; 2], colour: [u8; 3]) -> Self {
+        Self { size, rgb: vec![colour; size[0] as usize * size[1] as usize] }
+    }
+
+    /// Linear RGB, encoded as sRGB (IEC 61966-2-1) and clipped to what a screen shows.
+    pub fn from_linear(size: [u32; 2], linear: &[Rgb]) -> Self {
+        Self { size, rgb: linear.iter().map(|rgb| rgb.map(srgb)).collect() }
+    }
+
+    /// Copies `other`, magnified to the nearest pixel, into left, top, width, height; what falls
+    /// outside is dropped.
+    pub fn paste(&mut self, other: &Self, [left, top, width, height]: [u32; 4]) {
+        for y in 0..height.min(self.size[1].saturating_sub(top)) {
+            for x in 0..width.min(self.size[0].saturating_sub(left)) {
+                let from = |at: u32, side: u32, to: u32| {
+                    (u64::from(at) * u64::from(side) / u64::from(to)) as usize
+                };
+                let source = from(y, other.size[1], height) * other.size[0] as usize
+                    + from(x, other.size[0], width);
+                let target = (top + y) as usize * self.size[0] as usize + (left + x) as usize;
+                self.rgb[target] = other.rgb[source];
+            }
+        }
+    }
+
+    /// As a PNG file.
+    pub fn png(&self) -> Vec<u8> {
+        use image::ImageEncoder as _;
+        let mut file = Vec::new();
+        let [w, h] = self.size;
+        // Writing to memory fails only when the pixels do not fill the size, which `rgb` does.
+        let _ = image::codecs::png::PngEncoder::new(&mut file).write_image(
+            self.rgb.as_flattened(),
+            w,
+            h,
+            image::ExtendedColorType::Rgb8,
+        );
+        file
+    }
+
+    /// As the address of an image that a page carries in itself.
+    pub fn data_uri(&self) -> String {
+        format!("data:image/png;base64,{}", base64(&self.png()))
+    }
+}
+
+fn srgb(linear: f64) -> u8 {
+    let v = linear.clamp(0.0, 1.0);
+    let encoded = if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
+    (encoded * 255.0).round() as u8
+}
+
+/// Base 64 of RFC 4648, section 4.
+fn base64(bytes: &[u8]) -> String {
+    const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
+    for chunk in bytes.chunks(3) {
+        let word =
+            chunk.iter().fold(0u32, |word, &b| word << 8 | u32::from(b)) << (8 * (3 - chunk.len()));
+        for i in 0..4 {
+            let sextet = (word >> (18 - 6 * i)) as usize & 63;
+            text.push(if i <= chunk.len() { ALPHABET[sextet] as char } else { '=' });
+        }
+    }
+    text
+}
+
+/// The colour of p on the map's fixed scale, 1 to 2: viridis (van der Walt & Smith 2015, CC0),
+/// interpolated between ten of its colours.
+pub fn viridis(t: f64) -> [u8; 3] {
+    const STOPS: [u32; 10] = [
+        0x44_01_54, 0x48_28_78, 0x3e_49_89, 0x31_68_8e, 0x26_82_8e, 0x1f_9e_89, 0x35_b7_79,
+        0x6e_ce_58, 0xb5_de_2b, 0xfd_e7_25,
+    ];
+    let at = t.clamp(0.0, 1.0) * (STOPS.len() - 1) as f64;
+    let low = (at as usize).min(STOPS.len() - 2);
+    let mix = at - low as f64;
+    [16, 8, 0].map(|shift| {
+        let [a, b] = [STOPS[low], STOPS[low + 1]].map(|c| f64::from(c >> shift & 0xff));
+        (a + (b - a) * mix).round() as u8
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn base64_matches_the_vectors_of_rfc_4648() {
+        let pairs =
+            [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")];
+        for (plain, coded) in pairs {
+            assert_eq!(base64(plain.as_bytes()), coded);
+        }
+    }
+
+    #[test]
+    fn a_png_reads_back_as_it_was() {
+        let raster = Raster { size: [2, 1], rgb: vec![[1, 2, 3], [250, 0, 9]] };
+        let read = image::load_from_memory(&raster.png()).unwrap().to_rgb8();
+        assert_eq!(read.as_raw(), raster.rgb.as_flattened());
+    }
+
+    #[test]
+    fn srgb_and_viridis_at_known_points() {
+        // 0.214041 is the linear value of mid grey 0.5.
+        assert_eq!([0.0, 1.0, 2.0, -1.0, 0.215_861, f64::NAN].map(srgb), [0, 255, 255, 0, 128, 0]);
+        assert_eq!(viridis(0.0), [0x44, 0x01, 0x54]);
+        assert_eq!(viridis(1.0), [0xfd, 0xe7, 0x25]);
+    }
+
+    #[test]
+    fn pasting_magnifies_and_clips() {
+        let mut canvas = Raster::filled([3, 2], [0; 3]);
+        let pair = Raster { size: [2, 1], rgb: vec![[1; 3], [2; 3]] };
+        canvas.paste(&pair, [1, 0, 4, 2]);
+        assert_eq!(canvas.rgb.iter().map(|p| p[0]).collect::<Vec<_>>(), [0, 1, 1, 0, 1, 1]);
+    }
+}
