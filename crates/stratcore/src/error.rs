@@ -63,6 +63,14 @@ pub enum StudyError {
         /// Names that exist.
         known: String,
     },
+    /// A scramble's name that does not exist.
+    #[error("no scramble is called \"{name}\"; there are {known}")]
+    UnknownScramble {
+        /// The name as typed.
+        name: String,
+        /// Names that exist.
+        known: String,
+    },
     /// A sample or a mean that is not a finite number.
     #[error(
         "pixel {},{}: {sampler}, N = {n}, trial {trial} has the mean {mean}, which is not finite; \

@@ -4,17 +4,45 @@
 //! the key of its randomness; [`Sampler::points`] makes it ready, and [`Points::fill`] writes
 //! any run of its points. Adding a sampler is one file and one line in [`SHELF`].
 
+mod cmj;
+mod grid;
+mod halton;
+mod hammersley;
+mod hash;
 mod jittered;
+mod lhs;
+mod owen;
+mod permutation;
+mod radical;
 mod random;
+mod scramble;
+mod sobol;
 
+pub use cmj::CorrelatedMultiJittered;
+pub use grid::Grid;
+pub use halton::Halton;
+pub use hammersley::Hammersley;
 pub use jittered::{Jittered, strata_per_axis};
+pub use lhs::LatinHypercube;
 pub use random::Random;
+pub use scramble::Scramble;
+pub use sobol::Sobol;
 
 use crate::error::StudyError;
 use crate::rng::StreamKey;
+use scramble::Shifted;
 
 /// Every sampler there is, in the order in which they are listed.
-pub const SHELF: &[&dyn Sampler] = &[&Random, &Jittered];
+pub const SHELF: &[&dyn Sampler] = &[
+    &Random,
+    &Jittered,
+    &Grid,
+    &LatinHypercube,
+    &CorrelatedMultiJittered,
+    &Hammersley,
+    &Halton,
+    &Sobol,
+];
 
 /// The sampler of this name.
 ///
@@ -25,23 +53,6 @@ pub fn by_name(name: &str) -> Result<&'static dyn Sampler, StudyError> {
         let known = SHELF.iter().map(|s| s.name()).collect::<Vec<_>>().join(", ");
         StudyError::UnknownSampler { name: name.to_owned(), known }
     })
-}
-
-/// How a point set is made random when its construction is not, or made random once more.
-/// Always named beside the sampler, never implied.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Scramble {
-    /// The points as constructed.
-    None,
-}
-
-impl std::fmt::Display for Scramble {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::None => "none",
-        })
-    }
 }
 
 /// Whether a prefix of the points may serve as a smaller set.
@@ -101,9 +112,23 @@ pub trait Sampler: Send + Sync {
     fn admits(&self, n: u64, dim: usize, rectangular: bool) -> bool;
     /// The nearest admissible counts below and above an `n` that is not admissible.
     fn neighbours(&self, n: u64, dim: usize) -> (Option<u64>, Option<u64>);
+    /// Makes the points of its own construction and of those scrambles that work on it.
+    /// [`Sampler::points`] calls it with [`Scramble::None`] for those that work on any points.
+    fn construct(&self, set: &PointSet) -> Box<dyn Points>;
     /// Makes the set ready. `set` has passed [`check`] and its N is admissible.
-    fn points(&self, set: &PointSet) -> Box<dyn Points>;
+    fn points(&self, set: &PointSet) -> Box<dyn Points> {
+        match set.scramble {
+            Scramble::TorusShift | Scramble::Tent => {
+                let constructed = self.construct(&PointSet { scramble: Scramble::None, ..*set });
+                Box::new(Shifted::new(constructed, set, set.scramble == Scramble::Tent))
+            }
+            _ => self.construct(set),
+        }
+    }
 }
+
+/// The largest f64 below 1.
+const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 /// A point set that is ready to be read from any index on.
 pub trait Points {
