@@ -55,7 +55,7 @@ pub(super) fn radical_inverses(set: &PointSet, count: usize) -> Vec<RadicalInver
     let bases = PRIMES.get_or_init(|| primes(BASES));
     let bits = set.key.stream().scramble_bits();
     let axis = |(axis, base): (u64, &u64)| {
-        RadicalInverse::new(*base, set.key.n_samples, set.scramble, splitmix(bits, axis))
+        RadicalInverse::new(*base, set.key.n_samples, set.scramble, splitmix(bits, axis), set.dim)
     };
     (0..).zip(&bases[..count]).map(axis).collect()
 }

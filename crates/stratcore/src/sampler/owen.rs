@@ -4,30 +4,29 @@ use super::hash::splitmix;
 
 /// Levels of the digit tree that one hash decides: 63 nodes, one bit each.
 const STEP: u32 = 6;
-/// Levels that are kept in a table, so that a set of 2^12 points needs no hash per point.
-const TABLE: u32 = 2 * STEP;
 
 /// Owen's nested uniform scrambling of one coordinate (Owen, *Randomly Permuted (t,m,s)-Nets
 /// and (t,s)-Sequences*, 1995): digit l is flipped or not by a random bit of its own for each
 /// value of the l digits before it.
 ///
 /// The first `levels` digits are scrambled. They tell N ≤ 2^levels points of a digital
-/// sequence apart, so that all further digits of a point are its own: 64 random bits that
-/// belong to its cell.
+/// sequence apart, so that all further digits of a point are its own: the caller gives it 32
+/// random bits.
 pub(super) struct NestedUniform {
     levels: u32,
-    /// Scrambled first min(levels, TABLE) digits.
+    /// The first `tabled` digits, scrambled: all of them, or a multiple of STEP.
     table: Vec<u32>,
+    tabled: u32,
     /// One key for each STEP levels.
     keys: [u64; 6],
-    tail: u64,
 }
 
 impl NestedUniform {
-    /// The scramble named by `key`, for 1 ≤ `levels` ≤ 32.
-    pub(super) fn new(key: u64, levels: u32) -> Self {
+    /// The scramble named by `key`, for 1 ≤ `levels` ≤ 32, of a set of `dim` coordinates: the
+    /// more there are, the shorter is the table of each. The digits do not depend on it.
+    pub(super) fn new(key: u64, levels: u32, dim: usize) -> Self {
         let keys = std::array::from_fn(|step| splitmix(key, step as u64));
-        let tabled = levels.min(TABLE);
+        let tabled = levels.min(if dim <= 4 { 3 * STEP } else { 2 * STEP });
         let mut table = vec![0; 1 << tabled];
         for level in 0..tabled {
             let (step, local) = (level / STEP, level % STEP);
@@ -44,40 +43,44 @@ impl NestedUniform {
                 }
             }
         }
-        Self { levels, table, keys, tail: splitmix(key, u64::MAX) }
+        Self { levels, table, tabled, keys }
     }
 
     /// The scrambled digits of a cell: a bijection of 0 .. 2^levels.
     #[inline(always)]
     pub(super) fn digits(&self, cell: u32) -> u32 {
-        if self.levels <= TABLE {
-            return self.table[cell as usize];
-        }
-        let mut rest = self.levels - TABLE;
-        let mut digits = self.table[(cell >> rest) as usize];
-        let mut step = (TABLE / STEP) as usize;
+        let mut rest = self.levels - self.tabled;
+        // The mask changes nothing: it tells the compiler that the index is in range.
+        let mut digits = self.table[(cell >> rest) as usize & (self.table.len() - 1)];
+        let mut step = (self.tabled / STEP) as usize;
         while rest > 0 {
-            let count = rest.min(STEP);
             let nodes = splitmix(self.keys[step], u64::from(cell >> rest));
+            let count = rest.min(STEP);
             rest -= count;
-            let local = cell >> rest & ((1 << count) - 1);
-            for level in 0..count {
-                let below = count - 1 - level;
-                let node = 1 << level | u64::from(local >> (below + 1));
-                digits = digits << 1 | (local >> below & 1) ^ (nodes >> node) as u32 & 1;
-            }
+            // STEP digits, the missing ones zero: a node depends on those above it alone.
+            let local = (cell >> rest) << (STEP - count) & ((1 << STEP) - 1);
+            digits = digits << count | (local ^ flips(nodes, local)) >> (STEP - count);
             step += 1;
         }
         digits
     }
 
-    /// The scrambled coordinate of a cell, a fraction of 64 bits.
+    /// The scrambled coordinate of a cell, a fraction of 64 bits, with the point's own 32 bits
+    /// after the digits.
     #[inline(always)]
-    pub(super) fn fraction(&self, cell: u32) -> u64 {
-        let digits = self.digits(cell);
-        let tail = splitmix(self.tail, u64::from(digits));
-        u64::from(digits) << (64 - self.levels) | tail >> self.levels
+    pub(super) fn fraction(&self, cell: u32, own: u32) -> u64 {
+        let tail = u64::from(own) << 32 >> self.levels;
+        u64::from(self.digits(cell)) << (64 - self.levels) | tail
     }
+}
+
+/// The bits of the STEP nodes on the way to leaf `local` of a subtree, the top one first.
+#[inline(always)]
+fn flips(nodes: u64, local: u32) -> u32 {
+    (0..STEP).fold(0, |flips, level| {
+        let node = 1 << level | local >> (STEP - level);
+        flips << 1 | (nodes >> node) as u32 & 1
+    })
 }
 
 /// Nested scrambling of 32 digits by a hash, on reversed bits: each bit of the result depends
@@ -93,10 +96,10 @@ pub(super) fn hash_reversed(mut bits: u32, seed: u32) -> u32 {
     bits ^ bits.wrapping_mul(0x53a2_2864)
 }
 
-/// The coordinate of hashed digits: the middle of their cell of 2^-32.
+/// The middle of a cell of 2^-32.
 #[inline(always)]
-pub(super) fn hashed_unit(reversed: u32) -> f64 {
-    (f64::from(reversed.reverse_bits()) + 0.5) * 2f64.powi(-32)
+pub(super) fn cell_centre(digits: u32) -> f64 {
+    (f64::from(digits) + 0.5) * 2f64.powi(-32)
 }
 
 /// Digits that tell `n` points apart, at least one.
@@ -111,7 +114,7 @@ mod tests {
     #[test]
     fn common_digits_stay_common_and_no_more() {
         for levels in [1, 5, 6, 7, 12, 13, 20, 32] {
-            let scramble = NestedUniform::new(99, levels);
+            let scramble = NestedUniform::new(99, levels, if levels % 2 == 0 { 2 } else { 9 });
             let mask = (u64::MAX >> (64 - levels)) as u32;
             for i in 0..2000u64 {
                 let [a, b] = [2 * i, 2 * i + 1].map(|j| splitmix(3, j) as u32 & mask);
@@ -123,7 +126,7 @@ mod tests {
                     common(a, b),
                     "{levels}: {a:x} {b:x}"
                 );
-                let top = (scramble.fraction(a) >> (64 - levels)) as u32;
+                let top = (scramble.fraction(a, u32::MAX) >> (64 - levels)) as u32;
                 assert_eq!(top, scramble.digits(a));
                 let [c, d] = [a, b].map(|x| hash_reversed(x.reverse_bits(), 77).reverse_bits());
                 assert_eq!(common(c, d), common(a, b));
@@ -134,9 +137,9 @@ mod tests {
     /// The table and the hashes are one function: a deeper tree begins like a shallow one.
     #[test]
     fn depth_does_not_change_the_first_digits() {
-        let deep = NestedUniform::new(4, 32);
+        let deep = NestedUniform::new(4, 32, 1);
         for levels in 1..32 {
-            let shallow = NestedUniform::new(4, levels);
+            let shallow = NestedUniform::new(4, levels, 8);
             for i in 0..200 {
                 let cell = splitmix(8, i) as u32;
                 let cut = 32 - levels;
@@ -155,7 +158,7 @@ mod tests {
         let n = 20_000;
         let mut sums = [[0i32; 8]; 8];
         for key in 0..n {
-            let scramble = NestedUniform::new(splitmix(11, key), 21);
+            let scramble = NestedUniform::new(splitmix(11, key), 21, 8);
             let signs = nodes.map(|(level, prefix)| {
                 let cell = prefix << (21 - level);
                 let bit = scramble.digits(cell) >> (20 - level) & 1;

@@ -24,30 +24,32 @@ pub(super) struct RadicalInverse {
     period: u64,
     /// b^(digits after the table), and how many those are.
     rest_scale: u64,
-    rest: u32,
+    rest: usize,
     /// b^(all digits), exact: it is below 2^46.
     scale: f64,
 }
 
-/// Numbers in a table of first digits.
-const TABLE: u64 = 1 << 14;
+/// Most digits after the table: those of 2^32 in base 2 beside the shorter table.
+const MOST_REST: usize = 20;
 
 impl RadicalInverse {
-    /// For indices below `n` ≤ 2^32 and prime bases up to 2^13: as many digits as tell the
-    /// indices apart, and a tail that stands for all further ones.
-    pub(super) fn new(base: u64, n: u64, scramble: Scramble, key: u64) -> Self {
+    /// For indices below `n` ≤ 2^32, prime bases up to 2^13 and sets of `dim` coordinates (the
+    /// more there are, the shorter is the table of each): as many digits as tell the indices
+    /// apart, and a tail that stands for all further ones.
+    pub(super) fn new(base: u64, n: u64, scramble: Scramble, key: u64, dim: usize) -> Self {
+        let longest_table = if dim <= 4 { 1 << 16 } else { 1 << 12 };
         let (mut all, mut power) = (1, base);
         let (mut tabled, mut period) = (1, base);
         while power < n {
             power *= base;
             all += 1;
-            if power <= TABLE {
+            if power <= longest_table {
                 (tabled, period) = (all, power);
             }
         }
         let digits = DigitMaps::new(scramble, key);
         let table = table(base, tabled, period.min(n) as usize, &digits);
-        let rest = all - tabled;
+        let rest = (all - tabled) as usize;
         let rest_scale = power / period;
         let tail = Tail::new(scramble, key);
         Self { base, digits, tail, table, tabled, period, rest_scale, rest, scale: power as f64 }
@@ -56,17 +58,16 @@ impl RadicalInverse {
     /// Overwrites coordinate `axis` of the row-major `points` with those of indices `first ..`.
     pub(super) fn fill(&self, first: u64, points: &mut [f64], axis: usize, dim: usize) {
         let (mut high, mut low) = (first / self.period, first % self.period);
-        let mut common = self.rest_digits(high, 0);
+        let mut digits = self.rest_digits(high);
+        let mut common = self.mirror_rest(&digits, 0);
         for point in points.chunks_exact_mut(dim) {
             if low == self.period {
                 (high, low) = (high + 1, 0);
-                common = self.rest_digits(high, 0);
+                digits = self.rest_digits(high);
+                common = self.mirror_rest(&digits, 0);
             }
-            let rest = if self.digits.nested && self.rest > 0 {
-                self.rest_digits(high, low)
-            } else {
-                common
-            };
+            let own = self.digits.nested && self.rest > 0;
+            let rest = if own { self.mirror_rest(&digits, low) } else { common };
             let mirrored = u64::from(self.table[low as usize]) * self.rest_scale + rest;
             let x = (mirrored as f64 + self.tail.at(mirrored)) / self.scale;
             point[axis] = x.min(BELOW_ONE);
@@ -74,17 +75,26 @@ impl RadicalInverse {
         }
     }
 
-    /// The digits after the table: those of `high`, mirrored and scrambled. `low`, the digits
-    /// before them, matters only to nested maps.
-    fn rest_digits(&self, mut high: u64, low: u64) -> u64 {
+    /// Digits after the table, the lowest first.
+    fn rest_digits(&self, mut high: u64) -> [u32; MOST_REST] {
+        let mut digits = [0; MOST_REST];
+        for digit in &mut digits[..self.rest] {
+            *digit = (high % self.base) as u32;
+            high /= self.base;
+        }
+        digits
+    }
+
+    /// Mirrors and scrambles the digits after the table. `low`, the digits before them,
+    /// matters only to nested maps.
+    fn mirror_rest(&self, digits: &[u32; MOST_REST], low: u64) -> u64 {
         let (mut prefix, mut width) = (low, self.period);
         let mut mirrored = 0;
-        for level in self.tabled..self.tabled + self.rest {
-            let digit = high % self.base;
-            high /= self.base;
-            let (factor, start) = self.digits.map(self.base, level, prefix);
-            mirrored = mirrored * self.base + (start + factor * digit) % self.base;
-            prefix += digit * width;
+        for (level, &digit) in (self.tabled..).zip(&digits[..self.rest]) {
+            let (factor, start) = self.digits.map(self.digits.level_key(level), self.base, prefix);
+            let scrambled = (start + factor * digit) % self.base as u32;
+            mirrored = mirrored * self.base + u64::from(scrambled);
+            prefix += u64::from(digit) * width;
             width *= self.base;
         }
         mirrored
@@ -96,12 +106,14 @@ fn table(base: u64, digits: u32, len: usize, maps: &DigitMaps) -> Vec<u32> {
     let mut table = vec![0u32; len];
     let mut width = 1;
     for level in 0..digits {
+        let level_key = maps.level_key(level);
         for prefix in 0..width.min(len) {
-            let (factor, start) = maps.map(base, level, prefix as u64);
-            let before = table[prefix] * base as u32;
+            let (factor, start) = maps.map(level_key, base, prefix as u64);
+            let base = base as u32;
+            let before = table[prefix] * base;
             let mut digit = start;
             for entry in table[prefix..].iter_mut().step_by(width).take(base as usize) {
-                *entry = before + digit as u32;
+                *entry = before + digit;
                 digit += factor;
                 digit -= if digit >= base { base } else { 0 };
             }
@@ -125,15 +137,19 @@ impl DigitMaps {
         Self { scrambled: nested || scramble == Scramble::DigitPermutation, nested, key }
     }
 
-    /// Factor and constant of the map of the digit at `level` after the digits `prefix`.
+    fn level_key(&self, level: u32) -> u64 {
+        splitmix(self.key, level.into())
+    }
+
+    /// Factor and constant of the map of the digit at a level after the digits `prefix`.
     #[inline(always)]
-    fn map(&self, base: u64, level: u32, prefix: u64) -> (u64, u64) {
+    fn map(&self, level_key: u64, base: u64, prefix: u64) -> (u32, u32) {
         if !self.scrambled {
             return (1, 0);
         }
-        let level_key = splitmix(self.key, level.into());
         let bits = splitmix(level_key, if self.nested { prefix } else { 0 });
-        (1 + ((bits >> 32) * (base - 1) >> 32), (bits & 0xffff_ffff) * base >> 32)
+        let factor = 1 + ((bits >> 32) * (base - 1) >> 32);
+        (factor as u32, ((bits & 0xffff_ffff) * base >> 32) as u32)
     }
 }
 
@@ -189,7 +205,7 @@ mod tests {
 
     fn coordinates(base: u64, n: u64, scramble: Scramble, first: u64, len: usize) -> Vec<f64> {
         let mut points = vec![0.0; len];
-        RadicalInverse::new(base, n, scramble, 17).fill(first, &mut points, 0, 1);
+        RadicalInverse::new(base, n, scramble, 17, 9).fill(first, &mut points, 0, 1);
         points
     }
 

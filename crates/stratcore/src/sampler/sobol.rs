@@ -1,7 +1,7 @@
 //! Sobol' points with the direction numbers of Joe & Kuo, and digital sequences in general.
 
 use super::hash::{splitmix, unit};
-use super::owen::{NestedUniform, hash_reversed, hashed_unit, levels};
+use super::owen::{NestedUniform, cell_centre, hash_reversed, levels};
 use super::{Kind, PointSet, Points, Sampler, Scramble};
 use std::sync::OnceLock;
 
@@ -102,6 +102,8 @@ fn joe_kuo_row(row: &str) -> Columns {
 /// A digital sequence in base 2 under any of its scrambles.
 pub(super) struct DigitalPoints {
     axes: Vec<Axis>,
+    /// Key of the bits that truly scrambled points have of their own.
+    own: u64,
 }
 
 /// One coordinate: how to make a block of values and what to do with each.
@@ -128,7 +130,7 @@ impl DigitalPoints {
             match set.scramble {
                 Scramble::Owen => Axis::Nested {
                     columns: columns.map(|c| c >> (32 - levels)),
-                    scramble: NestedUniform::new(key, levels),
+                    scramble: NestedUniform::new(key, levels, set.dim),
                 },
                 Scramble::OwenHash => {
                     Axis::Hashed { columns: columns.map(u32::reverse_bits), seed: key as u32 }
@@ -140,7 +142,7 @@ impl DigitalPoints {
                 _ => Axis::Linear { columns: wide(), shift: 0 },
             }
         };
-        Self { axes: (0..).zip(matrices).map(axis).collect() }
+        Self { axes: (0..).zip(matrices).map(axis).collect(), own: splitmix(bits, u64::MAX - 1) }
     }
 }
 
@@ -194,30 +196,35 @@ where
     }
 }
 
+/// Stages of one loop each, over whole blocks: the compiler makes vectors of them.
 impl Axis {
-    /// Coordinates of the block that starts at index `first`.
-    fn fill_block(&self, coordinates: &mut [f64; BLOCK], len: usize, first: u64) {
+    /// Coordinates of the block that starts at index `first`; `own` are the points' own bits.
+    fn fill_block(&self, first: u64, len: usize, own: impl Fn(usize) -> u32) -> [f64; BLOCK] {
         match self {
             Self::Linear { columns, shift } => {
                 let mut values = [0; BLOCK];
                 block(&mut values, len, first, *shift, columns);
-                for (x, value) in coordinates.iter_mut().zip(values).take(len) {
-                    *x = unit(value);
-                }
+                values.map(unit)
             }
             Self::Nested { columns, scramble } => {
-                let mut values = [0; BLOCK];
-                block(&mut values, len, first, 0, columns);
-                for (x, cell) in coordinates.iter_mut().zip(values).take(len) {
-                    *x = unit(scramble.fraction(cell));
+                let mut cells = [0; BLOCK];
+                block(&mut cells, len, first, 0, columns);
+                let mut coordinates = [0.0; BLOCK];
+                for (i, x) in coordinates.iter_mut().enumerate().take(len) {
+                    *x = unit(scramble.fraction(cells[i], own(i)));
                 }
+                coordinates
             }
             Self::Hashed { columns, seed } => {
                 let mut values = [0; BLOCK];
                 block(&mut values, len, first, 0, columns);
-                for (x, reversed) in coordinates.iter_mut().zip(values).take(len) {
-                    *x = hashed_unit(hash_reversed(reversed, *seed));
+                for value in &mut values {
+                    *value = hash_reversed(*value, *seed);
                 }
+                for value in &mut values {
+                    *value = value.reverse_bits();
+                }
+                values.map(cell_centre)
             }
         }
     }
@@ -227,17 +234,28 @@ impl Points for DigitalPoints {
     fn fill(&self, first: u64, points: &mut [f64]) {
         let dim = self.axes.len();
         let end = first + (points.len() / dim) as u64;
-        let mut coordinates = [0.0; BLOCK];
         let mut block_start = first & !(BLOCK as u64 - 1);
         while block_start < end {
             let skipped = first.saturating_sub(block_start) as usize;
             let wanted = BLOCK.min((end - block_start) as usize);
+            let len = wanted.next_power_of_two();
             let at = (block_start + skipped as u64 - first) as usize * dim;
             let run = &mut points[at..at + (wanted - skipped) * dim];
-            for (axis, source) in self.axes.iter().enumerate() {
-                source.fill_block(&mut coordinates, wanted.next_power_of_two(), block_start);
-                for (point, x) in run.chunks_exact_mut(dim).zip(&coordinates[skipped..]) {
-                    point[axis] = *x;
+            for (pair, axes) in (0..).zip(self.axes.chunks(2)) {
+                // One number has the own bits of two coordinates.
+                let mut own = [0; BLOCK];
+                if let Axis::Nested { .. } = axes[0] {
+                    let key = splitmix(self.own, pair as u64);
+                    for (index, own) in (block_start..).zip(&mut own[..len]) {
+                        *own = splitmix(key, index);
+                    }
+                }
+                for (half, axis) in axes.iter().enumerate() {
+                    let own = |i: usize| (own[i] >> (32 * half)) as u32;
+                    let coordinates = axis.fill_block(block_start, len, own);
+                    for (point, x) in run.chunks_exact_mut(dim).zip(&coordinates[skipped..]) {
+                        point[2 * pair + half] = *x;
+                    }
                 }
             }
             block_start += BLOCK as u64;
