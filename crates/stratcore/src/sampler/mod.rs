@@ -4,6 +4,8 @@
 //! the key of its randomness; [`Sampler::points`] makes it ready, and [`Points::fill`] writes
 //! any run of its points. Adding a sampler is one file and one line in [`SHELF`].
 
+mod annealed;
+mod best_candidate;
 mod cmj;
 mod grid;
 mod halton;
@@ -11,22 +13,41 @@ mod hammersley;
 mod hash;
 mod jittered;
 mod lhs;
+mod memo;
+mod oa;
 mod owen;
+mod padded;
+mod patterns;
 mod permutation;
+mod pmj02;
+mod poisson;
 mod radical;
 mod random;
+mod rank1;
+mod rd;
 mod scramble;
 mod sobol;
+mod zero_two;
+mod zsobol;
 
+pub use annealed::Annealed;
+pub use best_candidate::BestCandidate;
 pub use cmj::CorrelatedMultiJittered;
 pub use grid::Grid;
 pub use halton::Halton;
 pub use hammersley::Hammersley;
 pub use jittered::{Jittered, strata_per_axis};
 pub use lhs::LatinHypercube;
+pub use oa::OrthogonalArray;
+pub use padded::Padded;
+pub use pmj02::Pmj02;
+pub use poisson::Poisson;
 pub use random::Random;
+pub use rank1::RankOne;
+pub use rd::Rd;
 pub use scramble::Scramble;
 pub use sobol::Sobol;
+pub use zsobol::ZSobol;
 
 use crate::error::StudyError;
 use crate::rng::StreamKey;
@@ -39,9 +60,18 @@ pub const SHELF: &[&dyn Sampler] = &[
     &Grid,
     &LatinHypercube,
     &CorrelatedMultiJittered,
+    &OrthogonalArray,
     &Hammersley,
     &Halton,
     &Sobol,
+    &Padded,
+    &Pmj02,
+    &ZSobol,
+    &RankOne,
+    &Rd,
+    &Poisson,
+    &BestCandidate,
+    &Annealed,
 ];
 
 /// The sampler of this name.

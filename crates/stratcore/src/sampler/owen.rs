@@ -22,11 +22,13 @@ pub(super) struct NestedUniform {
 }
 
 impl NestedUniform {
-    /// The scramble named by `key`, for 1 ≤ `levels` ≤ 32, of a set of `dim` coordinates: the
-    /// more there are, the shorter is the table of each. The digits do not depend on it.
-    pub(super) fn new(key: u64, levels: u32, dim: usize) -> Self {
+    /// The scramble named by `key`, for 1 ≤ `levels` ≤ 32. The table is no longer than `n`
+    /// points in `dim` dimensions deserve; the digits do not depend on it.
+    pub(super) fn new(key: u64, levels: u32, n: u64, dim: usize) -> Self {
         let keys = std::array::from_fn(|step| splitmix(key, step as u64));
-        let tabled = levels.min(if dim <= 4 { 3 * STEP } else { 2 * STEP });
+        let longest = if dim <= 4 { 3 * STEP } else { 2 * STEP };
+        let worthwhile = n.next_power_of_two().trailing_zeros().clamp(STEP, longest);
+        let tabled = if levels <= worthwhile { levels } else { worthwhile / STEP * STEP };
         let mut table = vec![0; 1 << tabled];
         for level in 0..tabled {
             let (step, local) = (level / STEP, level % STEP);
@@ -114,7 +116,7 @@ mod tests {
     #[test]
     fn common_digits_stay_common_and_no_more() {
         for levels in [1, 5, 6, 7, 12, 13, 20, 32] {
-            let scramble = NestedUniform::new(99, levels, if levels % 2 == 0 { 2 } else { 9 });
+            let scramble = NestedUniform::new(99, levels, 1 << (levels / 2), levels as usize);
             let mask = (u64::MAX >> (64 - levels)) as u32;
             for i in 0..2000u64 {
                 let [a, b] = [2 * i, 2 * i + 1].map(|j| splitmix(3, j) as u32 & mask);
@@ -137,9 +139,9 @@ mod tests {
     /// The table and the hashes are one function: a deeper tree begins like a shallow one.
     #[test]
     fn depth_does_not_change_the_first_digits() {
-        let deep = NestedUniform::new(4, 32, 1);
+        let deep = NestedUniform::new(4, 32, 1, 1);
         for levels in 1..32 {
-            let shallow = NestedUniform::new(4, levels, 8);
+            let shallow = NestedUniform::new(4, levels, 1 << levels, 2);
             for i in 0..200 {
                 let cell = splitmix(8, i) as u32;
                 let cut = 32 - levels;
@@ -158,7 +160,7 @@ mod tests {
         let n = 20_000;
         let mut sums = [[0i32; 8]; 8];
         for key in 0..n {
-            let scramble = NestedUniform::new(splitmix(11, key), 21, 8);
+            let scramble = NestedUniform::new(splitmix(11, key), 21, 64, 1);
             let signs = nodes.map(|(level, prefix)| {
                 let cell = prefix << (21 - level);
                 let bit = scramble.digits(cell) >> (20 - level) & 1;

@@ -123,14 +123,15 @@ const BLOCK: usize = 1 << BLOCK_BITS;
 impl DigitalPoints {
     pub(super) fn new(matrices: &[Columns], set: &PointSet) -> Self {
         let bits = set.key.stream().scramble_bits();
-        let levels = levels(set.key.n_samples);
+        let n = set.key.n_samples;
+        let levels = levels(n);
         let axis = |(axis, columns): (u64, &Columns)| {
             let key = splitmix(bits, axis);
             let wide = || columns.map(|c| u64::from(c) << 32);
             match set.scramble {
                 Scramble::Owen => Axis::Nested {
                     columns: columns.map(|c| c >> (32 - levels)),
-                    scramble: NestedUniform::new(key, levels, set.dim),
+                    scramble: NestedUniform::new(key, levels, n, set.dim),
                 },
                 Scramble::OwenHash => {
                     Axis::Hashed { columns: columns.map(u32::reverse_bits), seed: key as u32 }
