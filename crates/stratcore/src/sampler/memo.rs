@@ -6,8 +6,11 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 /// A function's results, kept for the life of the process: what is made is a pure function of
 /// its key, so that keeping it changes nothing but time.
 pub(super) struct Memo<K, T> {
-    made: Mutex<BTreeMap<K, Arc<OnceLock<Arc<[T]>>>>>,
+    made: Mutex<BTreeMap<K, Slot<T>>>,
 }
+
+/// Filled by the first who asks; others wait for it.
+type Slot<T> = Arc<OnceLock<Arc<[T]>>>;
 
 impl<K: Ord, T> Memo<K, T> {
     pub(super) const fn new() -> Self {

@@ -7,6 +7,7 @@
 mod annealed;
 mod best_candidate;
 mod cmj;
+mod file;
 mod grid;
 mod halton;
 mod hammersley;
@@ -33,6 +34,7 @@ mod zsobol;
 pub use annealed::Annealed;
 pub use best_candidate::BestCandidate;
 pub use cmj::CorrelatedMultiJittered;
+pub use file::{PointFile, PointFileError, PointFileFault};
 pub use grid::Grid;
 pub use halton::Halton;
 pub use hammersley::Hammersley;
@@ -74,13 +76,17 @@ pub const SHELF: &[&dyn Sampler] = &[
     &Annealed,
 ];
 
-/// The sampler of this name.
+/// The sampler of this name; `file:PATH` is the [`PointFile`] there.
 ///
 /// # Errors
-/// [`StudyError::UnknownSampler`] lists the names that exist.
+/// [`StudyError::UnknownSampler`] lists the names that exist; [`StudyError::PointFile`].
 pub fn by_name(name: &str) -> Result<&'static dyn Sampler, StudyError> {
+    if let Some(path) = name.strip_prefix("file:") {
+        return Ok(PointFile::load(path)?);
+    }
     SHELF.iter().copied().find(|s| s.name() == name).ok_or_else(|| {
         let known = SHELF.iter().map(|s| s.name()).collect::<Vec<_>>().join(", ");
+        let known = format!("{known}, file:PATH");
         StudyError::UnknownSampler { name: name.to_owned(), known }
     })
 }
@@ -138,6 +144,10 @@ pub trait Sampler: Send + Sync {
     fn scrambles(&self) -> &'static [Scramble];
     /// Whether repeats differ under this scramble. A deterministic set has no variance.
     fn is_randomised(&self, scramble: Scramble) -> bool;
+    /// Trials of `n` points that differ from one another: sets that are read, not made, run out.
+    fn most_trials(&self, _n: u64, scramble: Scramble) -> u32 {
+        if self.is_randomised(scramble) { u32::MAX } else { 1 }
+    }
     /// Whether exactly `n` points exist in `dim` dimensions.
     fn admits(&self, n: u64, dim: usize, rectangular: bool) -> bool;
     /// The nearest admissible counts below and above an `n` that is not admissible.
@@ -221,6 +231,23 @@ pub fn check(sampler: &dyn Sampler, scramble: Scramble) -> Result<(), StudyError
     }
     if !sampler.is_randomised(scramble) {
         return Err(StudyError::Deterministic { sampler: name, choices: choices() });
+    }
+    Ok(())
+}
+
+/// Refuses more trials of `n` points than there are different sets.
+///
+/// # Errors
+/// [`StudyError::TooFewSets`].
+pub fn check_trials(
+    sampler: &dyn Sampler,
+    scramble: Scramble,
+    n: u64,
+    trials: u32,
+) -> Result<(), StudyError> {
+    let sets = sampler.most_trials(n, scramble);
+    if trials > sets {
+        return Err(StudyError::TooFewSets { sampler: sampler.name(), n, sets, trials });
     }
     Ok(())
 }

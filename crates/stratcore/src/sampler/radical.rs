@@ -148,8 +148,8 @@ impl DigitMaps {
             return (1, 0);
         }
         let bits = splitmix(level_key, if self.nested { prefix } else { 0 });
-        let factor = 1 + ((bits >> 32) * (base - 1) >> 32);
-        (factor as u32, ((bits & 0xffff_ffff) * base >> 32) as u32)
+        let factor = 1 + (((bits >> 32) * (base - 1)) >> 32);
+        (factor as u32, (((bits & 0xffff_ffff) * base) >> 32) as u32)
     }
 }
 
