@@ -7,7 +7,7 @@ use crate::beam::shade::{Shade, coefficients};
 use crate::beam::shadow::{Occluder, occluders};
 use crate::integrand::Integrand;
 use crate::rng::StreamKey;
-use crate::sampler::{PointSet, Sampler, strata_per_axis};
+use crate::sampler::{PointSet, Sampler, Scramble, strata_per_axis};
 use crate::scene::{Channel, Light, Scene};
 use crate::simd::{
     self, Cells, Entry, Facet32, Ground, Isa, Lanes4, Pixel32, Placement, Shading, Strata,
@@ -110,7 +110,6 @@ impl PixelBeam {
         self
     }
 
-    pub fn stats(&self,k:u32)->(usize,usize,usize){ simd::cells(self.isa,&self.pixel32,k).stats() }
     /// Triangles that may be seen in the pixel.
     pub fn n_facets(&self) -> usize {
         self.facets.len()
@@ -155,7 +154,7 @@ impl PixelBeam {
         /// cells costs more.
         const FEW: usize = 3;
         self.cells.get_or_init(|| {
-            let per_axis = if self.facets.len() <= FEW { 1 } else { axis() };
+            let per_axis = if self.facets.len() <= FEW { 1 } else { 16 };
             simd::cells(self.isa, &self.pixel32, per_axis)
         })
     }
@@ -196,6 +195,11 @@ impl Integrand for PixelBeam {
     ) -> bool {
         /// Strata per axis up to which f32 positions leave no mark on the variance.
         const MAX_STRATA: u64 = 4096;
+        /// Facets beyond which strata are so crowded that samples are sorted into cells first.
+        const MANY: usize = 1 << 20;
+        if set.scramble != Scramble::None {
+            return false;
+        }
         let n = set.key.n_samples;
         let (isa, pixel) = (self.isa, &self.pixel32);
         let settle = |list: &[Entry], s: f64, t: f64| self.settle(list, s, t);
@@ -210,7 +214,7 @@ impl Integrand for PixelBeam {
                     return false;
                 }
                 let strata = Strata::new([strata[0] as u32, strata[1] as u32]);
-                if self.facets.len() > many() {
+                if self.facets.len() > MANY {
                     let (cells, placement) = (self.cells(), Placement::Strata(&strata));
                     simd::scattered_sums(isa, pixel, cells, &placement, &streams, means, &settle);
                 } else {
@@ -273,11 +277,4 @@ pub(super) fn lanes(functions: [Affine; 4]) -> Lanes4 {
         s: functions.map(|f| f.s as f32),
         t: functions.map(|f| f.t as f32),
     }
-}
-
-fn many() -> usize {
-    std::env::var("MANY").ok().and_then(|x| x.parse().ok()).unwrap_or(64)
-}
-fn axis() -> u32 {
-    std::env::var("AXIS").ok().and_then(|x| x.parse().ok()).unwrap_or(16)
 }

@@ -94,4 +94,3 @@ impl Cells {
         ends
     }
 }
-impl Cells { pub fn stats(&self)->(usize,usize,usize){ let mixed=self.cells.iter().filter(|c|matches!(c,Cell::Mixed{..})).count(); (self.cells.len(),mixed,self.entries.len()) } }
