@@ -38,8 +38,8 @@ pub struct Common {
 
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// A picture of a scene, one jittered estimate per pixel
-    //RENDER
+    /// The picture of a scene: one jittered estimate per pixel
+    Render(RenderArgs),
     /// What a scene holds, what its pixels integrate over, and what theory predicts
     Inspect(InspectArgs),
     /// How fast one pixel of a scene converges under each sampler

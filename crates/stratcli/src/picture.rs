@@ -87,6 +87,7 @@ fn exr([width, height]: [u32; 2], rgb: &[Rgb], attributes: &[(&str, String)]) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+    use exr::prelude::{ReadChannels, ReadLayers};
 
     #[test]
     fn srgb_meets_its_published_points() {
