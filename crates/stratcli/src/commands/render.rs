@@ -11,15 +11,23 @@ use std::path::Path;
 use stratcore::study::render;
 use stratcore::trace::TracedScene;
 
+/// How a picture was made; an EXR carries it with it.
 #[derive(Serialize)]
-struct Rendered<'a> {
+struct Provenance<'a> {
     scene: &'a str,
-    output: &'a Path,
     width: u32,
     height: u32,
+    sampler: &'static str,
     spp: u64,
     exposure: f64,
     seed: u64,
+}
+
+#[derive(Serialize)]
+struct Rendered<'a> {
+    output: &'a Path,
+    #[serde(flatten)]
+    provenance: Provenance<'a>,
 }
 
 pub fn run(args: &RenderArgs, common: &Common) -> Result<Outcome> {
@@ -46,28 +54,17 @@ pub fn run(args: &RenderArgs, common: &Common) -> Result<Outcome> {
     for value in picture.pixels.as_flattened_mut() {
         *value *= gain;
     }
-    let attributes = [
-        ("scene", name.clone()),
-        ("sampler", "jittered".to_owned()),
-        ("samplesPerPixel", spp.to_string()),
-        ("seed", common.seed.to_string()),
-        ("exposure", exposure.to_string()),
-    ];
-    file.commit(&format.encode([width, height], &picture.pixels, &attributes)?)?;
+    let seed = common.seed;
+    let provenance =
+        Provenance { scene: &name, width, height, sampler: "jittered", spp, exposure, seed };
+    let comments = serde_json::to_string(&provenance)?;
+    file.commit(&format.encode([width, height], &picture.pixels, &comments)?)?;
     if common.json {
-        output::print_json(Rendered {
-            scene: &name,
-            output,
-            width,
-            height,
-            spp,
-            exposure,
-            seed: common.seed,
-        })?;
+        output::print_json(Rendered { output, provenance })?;
     } else {
-        let (path, seed) = (output.display(), common.seed);
         output::print(&format!(
-            "{path}: {name}, {width} × {height} pixels, {spp} jittered samples each, seed {seed}\n"
+            "{}: {name}, {width} × {height} pixels, {spp} jittered samples each, seed {seed}\n",
+            output.display()
         ))?;
     }
     Ok(Outcome::Done)
