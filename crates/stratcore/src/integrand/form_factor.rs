@@ -38,14 +38,6 @@ fn unoccluded(a: f64, b: f64) -> f64 {
 }
 
 impl FormFactor {
-    /// The ray is half way at ((x0 + x2)/2, (x1 + x3)/2).
-    #[inline(always)]
-    fn at(&self, [x0, x1, x2, x3]: [f64; 4]) -> f64 {
-        let blocked =
-            (x0 + x2 - 1.0).abs() < self.occluder && (x1 + x3 - 1.0).abs() < self.occluder;
-        if blocked { 0.0 } else { unoccluded(x0 - x2, x1 - x3) }
-    }
-
     /// For each pair of strata (i, j) of k along one axis of both squares, at i k + j.
     fn axis_pairs(&self, k: u64) -> Vec<AxisPair> {
         let rule = gauss_legendre(10);
@@ -69,8 +61,12 @@ impl Integrand for FormFactor {
     fn axes(&self) -> Vec<String> {
         ["from_u", "from_v", "to_u", "to_v"].map(str::to_owned).to_vec()
     }
+    /// The ray is half way at ((x0 + x2)/2, (x1 + x3)/2).
     fn eval(&self, point: &[f64]) -> f64 {
-        self.at([point[0], point[1], point[2], point[3]])
+        let &[x0, x1, x2, x3] = point else { return f64::NAN };
+        let blocked =
+            (x0 + x2 - 1.0).abs() < self.occluder && (x1 + x3 - 1.0).abs() < self.occluder;
+        if blocked { 0.0 } else { unoccluded(x0 - x2, x1 - x3) }
     }
     /// By quadrature, to rounding error; without an occluder 0.0685895888185526.
     fn reference(&self) -> Option<Reference> {

@@ -85,18 +85,46 @@ impl Integrand for HalfSpace {
 ///
 /// with Vᵢ the same volume in the d - 1 dimensions without axis i, and the point s(1, …, 1).
 /// All terms are positive; there are 3^d faces of all dimensions.
-struct CubeCut<'a> {
-    normal: &'a [f64],
-    span: f64,
-    /// Volume within each face. Digit i of a face's number in base 3 tells of axis i: 0 free,
-    /// 1 fixed at u = 0, 2 fixed at u = 1.
-    faces: Vec<f64>,
+struct CubeCut {
+    /// Digit i of a face's number in base 3 tells of axis i: 0 free, 1 fixed at u = 0, 2 fixed
+    /// at u = 1. The whole cube is face 0.
+    faces: Vec<Face>,
+    /// Volume of the cut within each face, in the face's own dimensions.
+    volumes: Vec<f64>,
 }
 
-impl<'a> CubeCut<'a> {
-    fn new(normal: &'a [f64]) -> Self {
-        let faces = vec![0.0; 3usize.pow(normal.len() as u32)];
-        Self { normal, span: normal.iter().sum(), faces }
+/// A face of the cube of any dimension, as planes of one normal see it.
+struct Face {
+    /// Smallest n·u on the face.
+    start: f64,
+    /// Range of n·u on the face.
+    span: f64,
+    /// One per free axis: this face's number plus one step is the number of its own face at
+    /// u = 0, plus two steps of that at u = 1.
+    steps: Vec<usize>,
+}
+
+impl CubeCut {
+    fn new(normal: &[f64]) -> Self {
+        let face = |number: usize| {
+            let mut face = Face { start: 0.0, span: 0.0, steps: Vec::new() };
+            let (mut digits, mut place) = (number, 1);
+            for n in normal {
+                match digits % 3 {
+                    0 => {
+                        face.span += n;
+                        face.steps.push(place);
+                    }
+                    1 => {}
+                    _ => face.start += n,
+                }
+                digits /= 3;
+                place *= 3;
+            }
+            face
+        };
+        let faces: Vec<_> = (0..3usize.pow(normal.len() as u32)).map(face).collect();
+        Self { volumes: vec![0.0; faces.len()], faces }
     }
 
     /// Volume of {u in the unit cube: n·u < t}.
@@ -104,43 +132,25 @@ impl<'a> CubeCut<'a> {
         if t <= 0.0 {
             return 0.0;
         }
-        if t >= self.span {
+        if t >= self.faces[0].span {
             return 1.0;
         }
         // A face's own faces have higher numbers.
-        for face in (0..self.faces.len()).rev() {
-            self.faces[face] = self.volume_in(face, t);
+        for (number, face) in self.faces.iter().enumerate().rev() {
+            let t = t - face.start;
+            self.volumes[number] = if t <= 0.0 {
+                0.0
+            } else if t >= face.span {
+                1.0
+            } else {
+                let s = t / face.span;
+                let pyramid = |step: &usize| {
+                    s * self.volumes[number + step] + (1.0 - s) * self.volumes[number + 2 * step]
+                };
+                face.steps.iter().map(pyramid).sum::<f64>() / face.steps.len() as f64
+            };
         }
-        self.faces[0]
-    }
-
-    fn volume_in(&self, face: usize, t: f64) -> f64 {
-        let (mut rest, mut span, mut free) = (t, 0.0, 0u32);
-        let mut digits = face;
-        for n in self.normal {
-            match digits % 3 {
-                0 => (span, free) = (span + n, free + 1),
-                1 => {}
-                _ => rest -= n,
-            }
-            digits /= 3;
-        }
-        if rest <= 0.0 {
-            return 0.0;
-        }
-        if rest >= span {
-            return 1.0;
-        }
-        let s = rest / span;
-        let (mut sum, mut digits, mut place) = (0.0, face, 1);
-        for _ in self.normal {
-            if digits % 3 == 0 {
-                sum += s * self.faces[face + place] + (1.0 - s) * self.faces[face + 2 * place];
-            }
-            digits /= 3;
-            place *= 3;
-        }
-        sum / f64::from(free)
+        self.volumes[0]
     }
 }
 
