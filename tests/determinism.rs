@@ -1,7 +1,6 @@
 //! Same seed, same bytes: for any number of threads, and for a pixel alone or in a picture.
 
 use std::fs;
-use std::path::Path;
 use std::process::Command;
 use stratcore::scene::Channel;
 use stratcore::study::{Control, StudyPlan, study, study_pixels, with_threads};
@@ -47,7 +46,7 @@ fn pictures_are_the_same_files() {
     let folder = tempfile::tempdir().unwrap();
     for extension in ["png", "exr"] {
         let render = |name: &str, more: &[&str]| {
-            let path = folder.path().join(Path::new(name).with_extension(extension));
+            let path = folder.path().join(format!("{name}.{extension}"));
             let arguments = ["render", "classic", "--spp", "1", "-o", path.to_str().unwrap()];
             stratcli(&[&arguments, more].concat());
             fs::read(path).unwrap()

@@ -40,8 +40,8 @@ pub struct Common {
 pub enum Command {
     /// The paper: every figure and number on ray-traced scenes, as report.html
     Reproduce(ReproduceArgs),
-    /// A picture of a scene, one jittered estimate per pixel
-    //RENDER
+    /// The picture of a scene: one jittered estimate per pixel
+    Render(RenderArgs),
     /// What a scene holds, what its pixels integrate over, and what theory predicts
     Inspect(InspectArgs),
     /// How fast one pixel of a scene converges under each sampler

@@ -2,8 +2,7 @@
 
 use anyhow::{Context, Result, bail};
 use exr::prelude::{
-    AttributeValue, Encoding, Image, Layer, LayerAttributes, SpecificChannels, Text, Vec2,
-    WritableImage,
+    Encoding, Image, Layer, LayerAttributes, SpecificChannels, Text, Vec2, WritableImage,
 };
 use image::ImageEncoder;
 use image::codecs::png::PngEncoder;
@@ -31,17 +30,12 @@ impl Format {
         }
     }
 
-    /// The file's bytes. `rgb` is row-major from the top-left; `attributes` are kept where the
-    /// format has a place for them.
-    pub fn encode(
-        self,
-        size: [u32; 2],
-        rgb: &[Rgb],
-        attributes: &[(&str, String)],
-    ) -> Result<Vec<u8>> {
+    /// The file's bytes. `rgb` is row-major from the top-left; `comments` go into the standard
+    /// attribute of that name of an EXR.
+    pub fn encode(self, size: [u32; 2], rgb: &[Rgb], comments: &str) -> Result<Vec<u8>> {
         match self {
             Self::Png => png(size, rgb),
-            Self::Exr => exr(size, rgb, attributes),
+            Self::Exr => exr(size, rgb, comments),
         }
     }
 }
@@ -62,7 +56,7 @@ fn srgb_byte(linear: f64) -> u8 {
     (encoded * 255.0).round() as u8
 }
 
-fn exr([width, height]: [u32; 2], rgb: &[Rgb], attributes: &[(&str, String)]) -> Result<Vec<u8>> {
+fn exr([width, height]: [u32; 2], rgb: &[Rgb], comments: &str) -> Result<Vec<u8>> {
     let width = width as usize;
     let pixels = SpecificChannels::rgb(|Vec2(x, y): Vec2<usize>| {
         let [r, g, b] = rgb[y * width + x].map(|value| value as f32);
@@ -70,9 +64,8 @@ fn exr([width, height]: [u32; 2], rgb: &[Rgb], attributes: &[(&str, String)]) ->
     });
     let mut about = LayerAttributes::default();
     about.software_name = Some(Text::from(concat!("stratcli ", env!("CARGO_PKG_VERSION"))));
-    for (name, value) in attributes {
-        about.other.insert(Text::from(*name), AttributeValue::Text(Text::from(value.as_str())));
-    }
+    // Attributes of our own would be written in the order of a hash map, another in every run.
+    about.comments = Text::new_or_none(comments);
     let layer = Layer::new((width, height as usize), about, Encoding::SMALL_LOSSLESS, pixels);
     let mut file = Cursor::new(Vec::new());
     // One thread: the writer's own pool would ignore --threads.
@@ -87,6 +80,7 @@ fn exr([width, height]: [u32; 2], rgb: &[Rgb], attributes: &[(&str, String)]) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+    use exr::prelude::{ReadChannels, ReadLayers};
 
     #[test]
     fn srgb_meets_its_published_points() {
@@ -105,13 +99,13 @@ mod tests {
         let size = [3, 2];
         let rgb: Vec<Rgb> = (0..6).map(|i| [f64::from(i) * 0.25, 1e-3, 1e4]).collect();
 
-        let png = Format::Png.encode(size, &rgb, &[]).unwrap();
+        let png = Format::Png.encode(size, &rgb, "").unwrap();
         let read = image::load_from_memory(&png).unwrap().into_rgb8();
         assert_eq!((read.width(), read.height()), (3, 2));
         assert_eq!(read.get_pixel(1, 1).0, [255, srgb_byte(1e-3), 255]);
         assert_eq!(read.get_pixel(2, 0).0[0], 188);
 
-        let exr = Format::Exr.encode(size, &rgb, &[("seed", "7".to_owned())]).unwrap();
+        let exr = Format::Exr.encode(size, &rgb, "seed 7").unwrap();
         let read = exr::prelude::read()
             .no_deep_data()
             .largest_resolution_level()
@@ -125,8 +119,7 @@ mod tests {
         assert_eq!(names, ["B", "G", "R"]);
         let red = &read.layer_data.channel_data.list[2].sample_data;
         assert_eq!(red.value_by_flat_index(5).to_f32(), 1.25);
-        let seed = read.layer_data.attributes.other.get(&Text::from("seed"));
-        assert_eq!(seed, Some(&AttributeValue::Text(Text::from("7"))));
+        assert_eq!(read.layer_data.attributes.comments, Text::new_or_none("seed 7"));
     }
 
     #[test]

@@ -5,12 +5,15 @@ mod inspect;
 mod integrand;
 mod list;
 mod pixel;
+mod render;
 mod reproduce;
 mod study;
 
-use crate::cli::{Cli, Command};
+use crate::cli::{Cli, Command, Common};
+use crate::output;
 use anyhow::Result;
 use std::process::ExitCode;
+use stratcore::scene::{self, Scene};
 use stratcore::study::with_threads;
 
 /// How a command ended that could run.
@@ -40,10 +43,22 @@ pub fn run(cli: &Cli) -> Result<Outcome> {
     let common = &cli.common;
     with_threads(common.threads.map(usize::from), || match &cli.command {
         Command::Reproduce(args) => reproduce::run(args, common),
+        Command::Render(args) => render::run(args, common),
         Command::Inspect(args) => inspect::run(args, common),
         Command::Integrand(args) => integrand::run(args, common),
         Command::Pixel(args) => pixel::run(args, common),
         Command::List(args) => list::run(args, common),
         Command::Completions(args) => completions::run(args, common),
     })
+}
+
+/// Loads a scene and passes on what its files made the loader remark.
+fn load(spec: &str, common: &Common) -> Result<Scene> {
+    let scene = scene::load(spec)?;
+    if !common.quiet {
+        for remark in &scene.notes {
+            output::note(&format!("note: {}: {remark}", scene.name));
+        }
+    }
+    Ok(scene)
 }

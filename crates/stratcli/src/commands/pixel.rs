@@ -5,7 +5,7 @@ use crate::cli::{Common, PixelArgs, StudiedChannel};
 use crate::plan;
 use anyhow::{Result, ensure};
 use serde::Serialize;
-use stratcore::scene::{self, Channel};
+use stratcore::scene::Channel;
 use stratcore::trace::TracedScene;
 
 #[derive(Serialize)]
@@ -16,7 +16,7 @@ struct Subject<'a> {
 
 pub fn run(args: &PixelArgs, common: &Common) -> Result<Outcome> {
     let pixel = plan::pixel(&args.at)?;
-    let scene = scene::load(&args.scene)?;
+    let scene = super::load(&args.scene, common)?;
     let [width, height] = scene.camera.resolution;
     ensure!(
         pixel[0] < width && pixel[1] < height,
