@@ -31,9 +31,10 @@ pub fn parse_counts(text: &str) -> Result<Vec<u64>, CountsError> {
             .and_then(|e| base.checked_pow(e))
             .ok_or_else(|| out_of_range("a count beyond 64 bits"))
     };
+    type Term = Box<dyn Fn(u64) -> Result<u64, CountsError>>;
     let counts: Vec<u64> = if let Some((from, to)) = text.split_once("..") {
         let (last, exponent) = to.split_once('^').ok_or_else(unreadable)?;
-        let (lo, hi, term): (_, _, Box<dyn Fn(u64) -> Result<u64, CountsError>>) =
+        let (lo, hi, term): (_, _, Term) =
             if let Some((base, first)) = from.split_once('^') {
                 let base = number(base)?;
                 if number(last)? != base {
