@@ -149,10 +149,9 @@ impl MeshTable {
         let fault = match (&self.path, &self.builtin) {
             (Some(path), None) => return obj::read(&file.with_file_name(path), smooth, notes),
             (None, Some(name)) => match library::model(name) {
-                Some(model) => {
-                    if smooth {
-                        let file = file.display();
-                        notes.push(format!("{file}: mesh \"{name}\" has no normals: it is flat"));
+                Some(mut model) => {
+                    if !smooth {
+                        model.mesh.corner_normals = None;
                     }
                     return Ok(model);
                 }

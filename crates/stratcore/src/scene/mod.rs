@@ -5,6 +5,8 @@ mod error;
 mod file;
 pub mod library;
 mod obj;
+#[cfg(test)]
+mod tests;
 
 pub use camera::{Camera, CameraFault, PixelFrame};
 pub use error::SceneError;

@@ -99,7 +99,8 @@ impl Accel {
     }
 }
 
-/// obvhs's medium build without its clock and debug checks, and with leaves for a dearer triangle test.
+/// obvhs's medium build without its clock and debug checks. A triangle test costs more than
+/// the medium build assumes, so leaves are smaller.
 fn build_tree(boxes: &[Aabb], triangles: &[u32]) -> Bvh2 {
     let mut bvh = PlocBuilder::with_capacity(boxes.len()).build(
         PlocSearchDistance::Medium,
@@ -110,7 +111,7 @@ fn build_tree(boxes: &[Aabb], triangles: &[u32]) -> Bvh2 {
     );
     let mut optimizer = ReinsertionOptimizer::default();
     optimizer.run(&mut bvh, 0.05, None);
-    collapse(&mut bvh, 8, 1.0);
+    collapse(&mut bvh, 8, 2.0);
     optimizer.run(&mut bvh, 0.1, None);
     for primitive in &mut bvh.primitive_indices {
         *primitive = triangles[*primitive as usize];

@@ -56,15 +56,9 @@ impl Ray {
     }
 }
 
-/// D·(p×q), exactly opposite for (q, p).
+/// D·(p×q), of exact sign.
 #[inline]
 fn edge(d: DVec3, p: DVec3, q: DVec3) -> f64 {
-    let in_order = p.x < q.x || p.x == q.x && (p.y < q.y || p.y == q.y && p.z < q.z);
-    if in_order { ordered_edge(d, p, q) } else { -ordered_edge(d, q, p) }
-}
-
-#[inline]
-fn ordered_edge(d: DVec3, p: DVec3, q: DVec3) -> f64 {
     // p×q = p×(q-p), which cancels less.
     let along = q - p;
     let scale = one_norm(d) * one_norm(p) * one_norm(along);
@@ -72,8 +66,8 @@ fn ordered_edge(d: DVec3, p: DVec3, q: DVec3) -> f64 {
 }
 
 /// `value`, a determinant whose six products sum to at most `scale` in magnitude, unless its
-/// rounding error could reach its sign. Its error is below 7 · 2^-53 `scale`: one rounding for
-/// each difference of corners, five in the products and sums, one to spare.
+/// rounding error could reach its sign. Its error is below 7 · 2^-53 `scale` to first
+/// order: two roundings in the differences of corners, five in the products and sums.
 #[inline]
 fn or_exact(value: f64, scale: f64, exact: impl FnOnce() -> f64) -> f64 {
     const BOUND: f64 = 16.0 * f64::EPSILON / 2.0;

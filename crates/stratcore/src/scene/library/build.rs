@@ -17,34 +17,44 @@ impl Model {
         self.materials.len() as u32 - 1
     }
 
-    /// Adds all of another model. Where only one of the two has shading normals, the other's
-    /// are geometric.
+    /// Adds all of another model.
     pub(in crate::scene) fn append(&mut self, other: Self) {
-        let merges_normals =
-            self.mesh.corner_normals.is_some() || other.mesh.corner_normals.is_some();
-        let mut normals = Vec::new();
-        if merges_normals {
-            normals.append(&mut corner_normals(&mut self.mesh));
-        }
-        let mut mesh = other.mesh;
-        if merges_normals {
-            normals.append(&mut corner_normals(&mut mesh));
-        }
         let first_material = self.materials.len() as u32;
-        let base = self.mesh.positions.len() as u32;
-        self.mesh.positions.append(&mut mesh.positions);
-        self.mesh.triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| base + i)));
-        self.mesh.materials.extend(mesh.materials.iter().map(|m| first_material + m));
-        self.mesh.corner_normals = merges_normals.then_some(normals);
+        let mut mesh = other.mesh;
+        for material in &mut mesh.materials {
+            *material += first_material;
+        }
         self.materials.extend(other.materials);
+        self.join(mesh);
     }
 
     /// Adds a moved copy of `mesh`, all of one material.
     pub(super) fn add(&mut self, mesh: &Mesh, place: DAffine3, material: u32) {
+        let turn = place.matrix3.inverse().transpose();
+        let moved_normals = |corners: &[DVec3; 3]| corners.map(|n| (turn * n).normalize_or(n));
+        self.join(Mesh {
+            positions: mesh.positions.iter().map(|p| place.transform_point3(*p)).collect(),
+            triangles: mesh.triangles.clone(),
+            materials: vec![material; mesh.triangles.len()],
+            corner_normals: mesh
+                .corner_normals
+                .as_ref()
+                .map(|normals| normals.iter().map(moved_normals).collect()),
+        });
+    }
+
+    /// Adds a mesh whose materials are ours. Where only one of the two has shading normals, the
+    /// other's are geometric.
+    fn join(&mut self, mut mesh: Mesh) {
+        if self.mesh.corner_normals.is_some() || mesh.corner_normals.is_some() {
+            let mut normals = corner_normals(&mut self.mesh);
+            normals.append(&mut corner_normals(&mut mesh));
+            self.mesh.corner_normals = Some(normals);
+        }
         let base = self.mesh.positions.len() as u32;
-        self.mesh.positions.extend(mesh.positions.iter().map(|p| place.transform_point3(*p)));
+        self.mesh.positions.append(&mut mesh.positions);
         self.mesh.triangles.extend(mesh.triangles.iter().map(|t| t.map(|i| base + i)));
-        self.mesh.materials.resize(self.mesh.triangles.len(), material);
+        self.mesh.materials.append(&mut mesh.materials);
     }
 
     /// Adds a convex polygon with vertices of its own, as a fan of triangles.
@@ -53,8 +63,12 @@ impl Model {
         self.mesh.positions.extend_from_slice(corners);
         for i in 2..corners.len() as u32 {
             self.mesh.triangles.push([base, base + i - 1, base + i]);
+            self.mesh.materials.push(material);
+            let normal = self.mesh.area_normal(self.mesh.triangles.len() - 1);
+            if let Some(normals) = &mut self.mesh.corner_normals {
+                normals.push([normal.normalize_or(DVec3::Y); 3]);
+            }
         }
-        self.mesh.materials.resize(self.mesh.triangles.len(), material);
     }
 }
 

@@ -44,14 +44,14 @@ fn still_life(model: &mut Model) {
     let [teal, plum] = [model.material("teal", TEAL), model.material("plum", PLUM)];
     let [rose, stone] = [model.material("rose", ROSE), model.material("stone", STONE)];
     let ball = |radius: f64| DVec3::splat(radius);
-    place(model, &fine, ball(1.4), 0.0, dvec3(0.9, 1.4, 9.6), coral);
-    place(model, &fine, ball(0.7), 0.0, dvec3(-1.1, 0.7, 7.0), amber);
+    place(model, &fine, ball(1.3), 0.0, dvec3(0.9, 1.3, 9.4), coral);
+    place(model, &fine, ball(0.6), 0.0, dvec3(-1.35, 0.6, 6.6), amber);
     place(model, &medium, ball(0.42), 0.0, dvec3(1.25, 0.42, 5.4), teal);
     place(model, &cube(), dvec3(0.62, 1.1, 0.62), 0.5, dvec3(-3.0, 1.1, 10.8), stone);
     place(model, &medium, ball(0.5), 0.0, dvec3(-3.0, 2.7, 10.8), teal);
     place(model, &cube(), ball(0.55), 0.62, dvec3(2.9, 0.55, 9.4), plum);
     place(model, &cube(), dvec3(0.3, 0.3, 0.3), 0.2, dvec3(2.85, 1.4, 9.45), amber);
-    place(model, &torus(0.32, 96, 40), ball(0.42), 0.0, dvec3(-0.25, 0.1344, 4.5), rose);
+    place(model, &torus(0.32, 128, 52), ball(0.42), 0.0, dvec3(-0.25, 0.1344, 4.5), rose);
 }
 
 /// A row of balls and a row of pillars that run to the vanishing point.

@@ -12,6 +12,8 @@ use std::f64::consts::TAU;
 const EYE: DVec3 = DVec3::new(0.0, 0.0, 20.0);
 const BRIGHT: f64 = 0.8;
 const DARK: f64 = 0.1;
+/// Where the bars of the axis-parallel edges meet, in pixels of their cell.
+const BARS: [f64; 9] = [0.0, 8.5, 16.25, 24.3, 32.707, 40.05, 48.6, 56.9, 64.0];
 
 /// The point behind picture position (x, y), moved from the plane towards the eye: 1 is on the
 /// plane, 0.5 half way.
@@ -63,24 +65,22 @@ impl Target {
         self.rectangle(at, DVec2::splat(64.0), self.bright);
     }
 
-    /// Four bars that start and end within pixels, at these fractions of them.
+    /// Bars that start and end within pixels.
     fn upright_edges(&mut self, at: DVec2) {
-        let edges = [0.0, 8.5, 16.25, 24.3, 32.707, 40.05, 48.6, 56.9, 64.0];
-        for (i, pair) in edges.windows(2).enumerate() {
+        for (i, pair) in BARS.windows(2).enumerate() {
             let material = if i % 2 == 0 { self.dark } else { self.bright };
             self.rectangle(at + dvec2(pair[0], 0.0), dvec2(pair[1] - pair[0], 64.0), material);
         }
     }
 
     fn level_edges(&mut self, at: DVec2) {
-        let edges = [0.0, 8.5, 16.25, 24.3, 32.707, 40.05, 48.6, 56.9, 64.0];
-        for (i, pair) in edges.windows(2).enumerate() {
+        for (i, pair) in BARS.windows(2).enumerate() {
             let material = if i % 2 == 0 { self.bright } else { self.dark };
             self.rectangle(at + dvec2(0.0, pair[0]), dvec2(64.0, pair[1] - pair[0]), material);
         }
     }
 
-    /// Sixteen squares of 16 pixels, each cut through its middle at another angle: square
+    /// Sixteen squares of 16 pixels, each cut through its pixel (8, 8) at another angle: square
     /// (i, j) at (4 j + i + 1/2) · 180°/16 against the horizontal.
     fn turned_edges(&mut self, at: DVec2) {
         for number in 0..16 {
@@ -88,7 +88,7 @@ impl Target {
             let angle = (f64::from(number) + 0.5) * TAU / 32.0;
             let normal = dvec2(angle.sin(), angle.cos());
             let square = box_corners(corner, DVec2::splat(16.0));
-            let middle = corner + 8.0;
+            let middle = corner + dvec2(8.4, 8.6);
             let [bright, dark] = [self.bright, self.dark];
             self.draw(&half(&square, middle, normal), bright);
             self.draw(&half(&square, middle, -normal), dark);

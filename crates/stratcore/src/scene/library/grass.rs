@@ -1,6 +1,7 @@
 //! `grass`: more thin blades than pixels.
 
 use super::{Model, icosphere};
+use crate::scene::Mesh;
 use glam::{DAffine3, DQuat, DVec3, dvec3};
 use rand::RngExt;
 use rand::SeedableRng;
@@ -58,11 +59,13 @@ fn blade(model: &mut Model, random: &mut Xoshiro256PlusPlus, root: DVec3, materi
 }
 
 fn things(model: &mut Model) {
-    let [ball, stone] = [icosphere(4), icosphere(2)];
+    // Without normals: they would make a meadow of a million flat triangles carry its own.
+    let flat = |levels| Mesh { corner_normals: None, ..icosphere(levels) };
+    let [ball, stone] = [flat(4), flat(2)];
     let red = model.material("red ball", [0.85, 0.12, 0.10]);
     let white = model.material("white ball", [0.90, 0.88, 0.84]);
     let grey = model.material("stone", [0.45, 0.44, 0.42]);
-    let mut place = |mesh, scale: DVec3, at: DVec3, material| {
+    let mut place = |mesh: &Mesh, scale: DVec3, at: DVec3, material| {
         let turn = DQuat::from_rotation_y(at.x);
         model.add(mesh, DAffine3::from_scale_rotation_translation(scale, turn, at), material);
     };

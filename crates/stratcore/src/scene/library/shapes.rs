@@ -1,4 +1,5 @@
-//! Small closed meshes, counter-clockwise seen from outside.
+//! Small closed meshes, counter-clockwise seen from outside; round ones with the normals of the
+//! shape they stand for.
 
 use crate::scene::Mesh;
 use glam::{DVec3, dvec3};
@@ -33,7 +34,9 @@ pub fn icosphere(levels: u32) -> Mesh {
             })
             .collect();
     }
-    Mesh { materials: vec![0; triangles.len()], positions, triangles, corner_normals: None }
+    let mesh =
+        Mesh { materials: vec![0; triangles.len()], positions, triangles, corner_normals: None };
+    with_normals(mesh, |p| p)
 }
 
 /// The 20 triples of vertices at mutual edge distance, turned outward.
@@ -77,6 +80,16 @@ pub fn torus(tube: f64, around: u32, across: u32) -> Mesh {
         }
     }
     mesh.materials = vec![0; mesh.triangles.len()];
+    // Straight away from the nearest point of the unit circle.
+    with_normals(mesh, |p| p - dvec3(p.x, 0.0, p.z).normalize())
+}
+
+/// Gives every corner the direction that a smooth shape has there.
+fn with_normals(mut mesh: Mesh, outward: impl Fn(DVec3) -> DVec3) -> Mesh {
+    let normals = (0..mesh.triangles.len())
+        .map(|id| mesh.corners(id).map(|p| outward(p).normalize_or(DVec3::Y)))
+        .collect();
+    mesh.corner_normals = Some(normals);
     mesh
 }
 
