@@ -18,10 +18,7 @@ use stratcore::variance::Spread;
 /// The exponent that exact variances fit to.
 fn exact_exponent(rows: impl Iterator<Item = (u64, f64)>) -> f64 {
     let rows: Vec<_> = rows
-        .map(|(n, variance_of_mean)| {
-            let ci95 = [variance_of_mean; 2];
-            (n, Spread { grand_mean: 0.0, variance_of_mean, ci95, var_ln: 1.0 })
-        })
+        .map(|(n, variance_of_mean)| (n, Spread { grand_mean: 0.0, variance_of_mean, var_ln: 1.0 }))
         .collect();
     fit(rows.iter().map(|(n, spread)| (*n, spread))).unwrap().exponent
 }

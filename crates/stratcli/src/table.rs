@@ -112,7 +112,7 @@ fn rows(rows: &[Row]) -> String {
             (strata, strata_used.join(" × ")),
             (true, number(row.grand_mean, 6)),
             (true, number(row.variance_of_mean, 4)),
-            (true, format!("{} to {}", number(row.lo, 3), number(row.hi, 3))),
+            (true, row.ci95().map(|end| number(end, 3)).join(" to ")),
             (exact, optional(row.exact_variance, 4)),
             (timed, optional(row.ns_per_sample, 3)),
         ])

@@ -76,7 +76,7 @@ mod tests {
     use super::*;
 
     fn row(variance: f64) -> Spread {
-        Spread { grand_mean: 0.5, variance_of_mean: variance, ci95: [0.0, 1.0], var_ln: 2.0 / 49.0 }
+        Spread { grand_mean: 0.5, variance_of_mean: variance, var_ln: 2.0 / 49.0 }
     }
 
     #[test]

@@ -5,20 +5,27 @@
 //! * Output: unbiased (divisor M - 1), in that unit squared.
 //! * Source: Mitchell 1996, "Experimental observations", second equation.
 
-use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// The spread of M trial means.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
     /// Mean of the trial means.
     pub grand_mean: f64,
     /// Mitchell's σ²: divisor M - 1. Exactly 0 where the trials differ by no more than rounding.
     pub variance_of_mean: f64,
-    /// Ends of the 95 % interval of the variance; equal to it where it is 0.
-    pub ci95: [f64; 2],
     /// Variance of ln s², from M and the trial means' kurtosis; what weights a fit.
     pub var_ln: f64,
+}
+
+impl Spread {
+    /// Ends of the 95 % interval of the variance; equal to it where it is 0.
+    pub fn ci95(&self) -> [f64; 2] {
+        if self.variance_of_mean == 0.0 {
+            return [0.0; 2];
+        }
+        interval(self.variance_of_mean, 2.0 / self.var_ln)
+    }
 }
 
 /// Measures the spread of at least two finite trial means.
@@ -43,12 +50,11 @@ pub fn spread(trial_means: &[f64]) -> Spread {
     let rounding = 2.0 * f64::EPSILON * grand_mean.abs();
     if variance <= rounding * rounding {
         let var_ln = var_ln_of_normal(m);
-        return Spread { grand_mean, variance_of_mean: 0.0, ci95: [0.0; 2], var_ln };
+        return Spread { grand_mean, variance_of_mean: 0.0, var_ln };
     }
     let fourth = neumaier_sum(trial_means.iter().map(|x| deviation(x).powi(4)));
     let var_ln = var_ln(m, excess_kurtosis(m, squares, fourth));
-    let ci95 = interval(variance, 2.0 / var_ln);
-    Spread { grand_mean, variance_of_mean: variance, ci95, var_ln }
+    Spread { grand_mean, variance_of_mean: variance, var_ln }
 }
 
 /// 95 % interval of a variance known by a chi-square of `dof` degrees of freedom.

@@ -97,7 +97,7 @@ pub fn convergence_into(svg: &mut Svg, area: Rect, result: &StudyResult) {
         return;
     }
     let n_range = bounds(rows().map(|row| row.n_used as f64)).map(f64::log10);
-    let s_range = bounds(measured().flat_map(|row| [row.lo, row.hi])).map(f64::log10);
+    let s_range = bounds(measured().flat_map(|row| row.ci95())).map(f64::log10);
     let (n_range, s_range) = (widen(n_range, 0.06), widen(s_range, 0.04));
     let x = Axis::log(n_range, [area.x, area.x + area.w]);
     let y = Axis::log(s_range, [area.y + area.h, area.y]);
@@ -168,7 +168,7 @@ fn curve(svg: &mut Svg, sampler: &SamplerResult, x: &Axis, y: &Axis) {
     }
     for row in sampler.rows.iter().filter(|row| row.variance_of_mean > 0.0) {
         let at = x.at(row.n_used as f64);
-        let [low, high] = [row.lo, row.hi].map(|v| y.at(v));
+        let [low, high] = row.ci95().map(|v| y.at(v));
         svg.line([at, low], [at, high], thin);
         for end in [low, high] {
             svg.line([at - CAP, end], [at + CAP, end], thin);

@@ -39,9 +39,9 @@ impl PixelBeam {
     /// Gathers and sets up what pixel (x, y) can see. `bvh` holds the scene's triangles,
     /// relative to the eye, in boxes that contain them.
     ///
-    /// None for a scene that asks for smooth shading: its radiance is not affine data.
+    /// None for a scene that asks for smooth shading, or whose light casts shadows.
     pub fn new(scene: &Scene, bvh: &Bvh2, pixel: [u32; 2], channel: Channel) -> Option<Self> {
-        if scene.mesh.corner_normals.is_some() {
+        if scene.mesh.corner_normals.is_some() || scene.light != Light::Headlight {
             return None;
         }
         let centred = CentredFrame::new(&scene.camera.pixel(pixel));

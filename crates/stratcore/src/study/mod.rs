@@ -143,14 +143,12 @@ fn study_sampler(
             let sampler = choice.sampler.name();
             return Err(StudyError::NonFinite { pixel, sampler, n: n_used, trial, mean });
         }
-        let Spread { grand_mean, variance_of_mean, ci95: [lo, hi], var_ln } = spread(&means);
+        let Spread { grand_mean, variance_of_mean, var_ln } = spread(&means);
         rows.push(Row {
             n,
             n_used,
             grand_mean,
             variance_of_mean,
-            lo,
-            hi,
             var_ln,
             exact_variance: exact_variance(integrand, choice, n_used),
             strata: set.rectangular.then(|| choice.sampler.strata(n_used, set.dim)).flatten(),

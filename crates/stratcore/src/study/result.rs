@@ -5,7 +5,7 @@ use crate::integrand::Reference;
 use crate::sampler::Scramble;
 use crate::theory::Class;
 use crate::variance::Spread;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// The convergence of one pixel, or of one integrand, under each sampler of a plan.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -53,7 +53,7 @@ pub struct SamplerResult {
 }
 
 /// The spread of M trial means at one N.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Row {
     /// N as asked for.
     pub n: u64,
@@ -63,10 +63,6 @@ pub struct Row {
     pub grand_mean: f64,
     /// Mitchell's σ², divisor M - 1.
     pub variance_of_mean: f64,
-    /// Lower end of the variance's 95 % interval.
-    pub lo: f64,
-    /// Upper end.
-    pub hi: f64,
     /// Variance of ln s².
     pub var_ln: f64,
     /// The variance that a closed form gives at this N, where the integrand has one.
@@ -80,12 +76,46 @@ pub struct Row {
 impl Row {
     /// The row's spread, as a fit wants it.
     pub fn spread(&self) -> Spread {
-        Spread {
+        let Self { grand_mean, variance_of_mean, var_ln, .. } = *self;
+        Spread { grand_mean, variance_of_mean, var_ln }
+    }
+
+    /// Ends of the variance's 95 % interval.
+    pub fn ci95(&self) -> [f64; 2] {
+        self.spread().ci95()
+    }
+}
+
+/// Flat, and with the interval worked out: a picture's worth of rows never needs it.
+impl Serialize for Row {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct Document<'a> {
+            n: u64,
+            n_used: u64,
+            grand_mean: f64,
+            variance_of_mean: f64,
+            lo: f64,
+            hi: f64,
+            var_ln: f64,
+            exact_variance: Option<f64>,
+            strata: Option<&'a [u64]>,
+            ns_per_sample: Option<f64>,
+        }
+        let [lo, hi] = self.ci95();
+        Document {
+            n: self.n,
+            n_used: self.n_used,
             grand_mean: self.grand_mean,
             variance_of_mean: self.variance_of_mean,
-            ci95: [self.lo, self.hi],
+            lo,
+            hi,
             var_ln: self.var_ln,
+            exact_variance: self.exact_variance,
+            strata: self.strata.as_deref(),
+            ns_per_sample: self.ns_per_sample,
         }
+        .serialize(serializer)
     }
 }
 

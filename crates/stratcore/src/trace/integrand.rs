@@ -1,24 +1,90 @@
 //! The integral of one pixel.
 
 use super::TracedScene;
+use crate::beam::PixelBeam;
 use crate::integrand::Integrand;
+use crate::sampler::{PointSet, Sampler};
 use crate::scene::{Channel, PixelFrame};
 
-/// A channel of the radiance over one pixel's square, by one ray through the BVH per point.
+/// How the samples of a pixel are traced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Tracer {
+    /// The pixel's own list of triangles, gathered once ([`crate::beam`]). Scenes that it does
+    /// not serve are traced by rays.
+    #[default]
+    Beam,
+    /// One ray through the BVH per sample, in f64.
+    Bvh,
+}
+
+/// A channel of the radiance over one pixel's square.
+pub enum PixelIntegrand<'a> {
+    /// By one ray per point.
+    Rays(PixelRays<'a>),
+    /// By the pixel's beam.
+    Beam(Box<PixelBeam>),
+}
+
+/// One ray through the BVH per point.
 #[derive(Clone, Copy)]
-pub struct PixelIntegrand<'a> {
+pub struct PixelRays<'a> {
     scene: &'a TracedScene,
     frame: PixelFrame,
     channel: Channel,
 }
 
 impl<'a> PixelIntegrand<'a> {
-    pub(super) fn new(scene: &'a TracedScene, pixel: [u32; 2], channel: Channel) -> Self {
-        Self { scene, frame: scene.scene().camera.pixel(pixel), channel }
+    pub(super) fn new(
+        scene: &'a TracedScene,
+        pixel: [u32; 2],
+        channel: Channel,
+        tracer: Tracer,
+    ) -> Self {
+        if tracer == Tracer::Beam
+            && let Some(beam) = PixelBeam::new(scene.scene(), scene.accel().bvh(), pixel, channel)
+        {
+            return Self::Beam(Box::new(beam));
+        }
+        Self::Rays(PixelRays { scene, frame: scene.scene().camera.pixel(pixel), channel })
+    }
+
+    fn inner(&self) -> &dyn Integrand {
+        match self {
+            Self::Rays(rays) => rays,
+            Self::Beam(beam) => &**beam,
+        }
     }
 }
 
 impl Integrand for PixelIntegrand<'_> {
+    fn dim(&self) -> usize {
+        self.inner().dim()
+    }
+
+    fn axes(&self) -> Vec<String> {
+        self.inner().axes()
+    }
+
+    fn eval(&self, point: &[f64]) -> f64 {
+        self.inner().eval(point)
+    }
+
+    fn eval_block(&self, points: &[f64], values: &mut [f64]) {
+        self.inner().eval_block(points, values);
+    }
+
+    fn trial_means(
+        &self,
+        sampler: &dyn Sampler,
+        set: &PointSet,
+        first_trial: u32,
+        means: &mut [f64],
+    ) -> bool {
+        self.inner().trial_means(sampler, set, first_trial, means)
+    }
+}
+
+impl Integrand for PixelRays<'_> {
     fn dim(&self) -> usize {
         2
     }

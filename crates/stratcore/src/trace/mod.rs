@@ -9,6 +9,6 @@ mod tracer;
 mod triangle;
 
 pub use accel::Accel;
-pub use integrand::PixelIntegrand;
+pub use integrand::{PixelIntegrand, PixelRays, Tracer};
 pub use tracer::{Hit, TracedScene};
 pub use triangle::{Crossing, Ray};

@@ -1,6 +1,6 @@
 //! What a ray sees.
 
-use super::{Accel, Crossing, PixelIntegrand, Ray};
+use super::{Accel, Crossing, PixelIntegrand, Ray, Tracer};
 use crate::scene::{Channel, Light, Rgb, Scene};
 use glam::DVec3;
 
@@ -8,6 +8,7 @@ use glam::DVec3;
 pub struct TracedScene {
     scene: Scene,
     accel: Accel,
+    tracer: Tracer,
 }
 
 /// The nearest triangle along a ray.
@@ -46,7 +47,7 @@ impl TracedScene {
     /// makes sure.
     pub fn new(scene: Scene) -> Self {
         let accel = Accel::build(&scene.mesh, scene.camera.eye);
-        Self { scene, accel }
+        Self { scene, accel, tracer: Tracer::default() }
     }
 
     /// The scene as given.
@@ -59,9 +60,15 @@ impl TracedScene {
         &self.accel
     }
 
+    /// The same scene, its pixels sampled by this tracer.
+    #[must_use]
+    pub fn with_tracer(self, tracer: Tracer) -> Self {
+        Self { tracer, ..self }
+    }
+
     /// The integral of pixel (x, y): a channel of the radiance over the pixel's square.
     pub fn pixel(&self, pixel: [u32; 2], channel: Channel) -> PixelIntegrand<'_> {
-        PixelIntegrand::new(self, pixel, channel)
+        PixelIntegrand::new(self, pixel, channel, self.tracer)
     }
 
     /// The nearest triangle; the lowest index where two are exactly as near.

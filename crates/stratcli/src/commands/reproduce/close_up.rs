@@ -80,7 +80,7 @@ fn inside(scene: &TracedScene, pixel: [u32; 2]) -> Raster {
     let at = |i: u32| (f64::from(i) + 0.5) / f64::from(INSIDE);
     let linear: Vec<Rgb> = (0..INSIDE)
         .flat_map(|y| (0..INSIDE).map(move |x| [at(x), at(y)]))
-        .map(|point| channels.map(|channel| channel.eval(&point)))
+        .map(|point| channels.each_ref().map(|channel| channel.eval(&point)))
         .collect();
     let luminances = || linear.iter().map(|rgb| Channel::Luminance.of(*rgb));
     let [low, high] =

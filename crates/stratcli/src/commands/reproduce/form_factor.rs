@@ -94,8 +94,7 @@ fn exact_exponent(integrand: &dyn Integrand, counts: &[u64], skip: usize) -> Opt
         .skip(skip)
         .map(|&n| {
             let variance_of_mean = integrand.exact_variance("jittered", n)?;
-            let ci95 = [variance_of_mean; 2];
-            Some((n, Spread { grand_mean: 0.0, variance_of_mean, ci95, var_ln: 1.0 }))
+            Some((n, Spread { grand_mean: 0.0, variance_of_mean, var_ln: 1.0 }))
         })
         .collect::<Option<_>>()?;
     Some(fit(rows.iter().map(|(n, spread)| (*n, spread)))?.exponent)
