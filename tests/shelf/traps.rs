@@ -115,7 +115,7 @@ fn trap_scrambles_that_are_not_named() {
 
 /// Linear scrambling has the variance of Owen's in the mean, but single estimates of it scatter
 /// far more: 20 estimates from 50 trials each, at N = 4,096 on a Gaussian. Of normal trials the
-/// largest exceeds the smallest sixfold once in 10^6 times.
+/// largest exceeds the smallest sixfold less than once in 10^5 times.
 #[test]
 fn trap_linear_scrambles_have_heavy_tails() {
     let f = |p: &[f64]| (-((p[0] - 0.3).powi(2) + (p[1] - 0.6).powi(2)) * 4.0).exp();
