@@ -4,8 +4,11 @@
 use crate::{Set, every_random_set, moments, variance};
 use stratcore::sampler::Scramble;
 
+/// An integrand and a number that belongs to it.
+type Known = (fn(&[f64]) -> f64, f64);
+
 /// Integrands in any dimension, with their means.
-fn integrands(dim: usize) -> [(fn(&[f64]) -> f64, f64); 5] {
+fn integrands(dim: usize) -> [Known; 5] {
     let e = std::f64::consts::E;
     [
         (|p| p[0], 0.5),
@@ -139,9 +142,10 @@ fn nested_scrambles_have_one_variance() {
 /// hurt (Pan & Owen 2021).
 #[test]
 fn scrambled_nets_are_never_twice_as_bad_as_random() {
-    let hostile: [(fn(&[f64]) -> f64, f64); 3] = [
-        (|p| f64::from((p[0] * 32.0) as u32 + (p[1] * 32.0) as u32 & 1), 0.25),
-        (|p| f64::from((p[0] * 4.0) as u32 + (p[1] * 4.0) as u32 & 1), 0.25),
+    // With their σ², or more than it.
+    let hostile: [Known; 3] = [
+        (|p| f64::from(((p[0] * 32.0) as u32 + (p[1] * 32.0) as u32) & 1), 0.25),
+        (|p| f64::from(((p[0] * 4.0) as u32 + (p[1] * 4.0) as u32) & 1), 0.25),
         (|p| (p[0] * 40.0).sin() * (p[1] * 40.0).sin(), 0.25),
     ];
     for (sampler, scramble) in

@@ -134,7 +134,7 @@ fn trap_linear_scrambles_have_heavy_tails() {
 /// fall on one colour, and the variance is that of a single point, 1/4.
 #[test]
 fn trap_xor_shift_on_a_checkerboard() {
-    let f = |p: &[f64]| f64::from((p[0] * 64.0) as u32 + (p[1] * 64.0) as u32 & 1);
+    let f = |p: &[f64]| f64::from(((p[0] * 64.0) as u32 + (p[1] * 64.0) as u32) & 1);
     for n in [16, 64] {
         let gain = |scramble| {
             variance(&Set::named("sobol", scramble, n, 2).estimates(2000, f)) * n as f64 / 0.25
