@@ -7,6 +7,10 @@ use super::{Kind, PointSet, Points, Sampler, Scramble};
 use std::sync::OnceLock;
 
 /// Radical inverses of the index in the first d primes.
+///
+/// Its scrambles draw each digit's permutation from the affine ones, x to ax + c modulo the
+/// base: in bases 2 and 3 all there are; above, a part of them that gives every estimate the
+/// mean and the variance that uniform permutations would.
 #[derive(Debug, Clone, Copy)]
 pub struct Halton;
 

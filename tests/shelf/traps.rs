@@ -1,0 +1,168 @@
+//! Faults of other tools, one test each, named after the fault.
+
+use crate::{Set, every_random_set, every_set, variance};
+use stratcore::sampler::{SHELF, Scramble, by_name, check};
+
+/// A torus shift that nobody asked for makes jitter on a smooth, non-periodic integrand read
+/// p = 3/2 instead of 2: the shifted border cuts strata like an edge. For f = x + y the exact
+/// variance of jitter is 2/(12 N²). p from a factor of 64 in N and 500 trials has standard
+/// error 0.022; the bound is five.
+#[test]
+fn trap_implicit_torus_shift_turns_smooth_two_into_three_halves() {
+    let exponent = |scramble| {
+        let [a, b] = [64, 4096].map(|n| {
+            variance(&Set::named("jittered", scramble, n, 2).estimates(500, |p| p[0] + p[1]))
+        });
+        (a / b).ln() / 64f64.ln()
+    };
+    let (plain, shifted) = (exponent(Scramble::None), exponent(Scramble::TorusShift));
+    assert!((plain - 2.0).abs() < 0.11, "{plain}");
+    assert!((shifted - 1.5).abs() < 0.11, "{shifted}");
+}
+
+/// A shifted grid reads p = 1 on the same integrand: its one random number moves all points.
+#[test]
+fn trap_shifted_grid_is_no_better_than_random_on_smooth() {
+    let [a, b] = [64, 4096].map(|n| {
+        let set = Set::named("grid", Scramble::TorusShift, n, 2);
+        variance(&set.estimates(500, |p| p[0] + p[1]))
+    });
+    let exponent = (a / b).ln() / 64f64.ln();
+    assert!((exponent - 1.0).abs() < 0.11, "{exponent}");
+}
+
+/// Points asked for and never written stay at the origin.
+#[test]
+fn trap_unwritten_points_at_the_origin() {
+    for set in every_set(512, 2) {
+        let at_origin = set.points().chunks(2).filter(|p| **p == [0.0, 0.0]).count();
+        // Unscrambled sequences and lattices begin there.
+        assert!(at_origin <= usize::from(set.scramble == Scramble::None), "{set}: {at_origin}");
+    }
+}
+
+/// Points at i/N instead of within their cell: f = x gets variance 0 and bias 1/(2N).
+#[test]
+fn trap_n_rooks_at_i_over_n_is_biased() {
+    let estimates = Set::named("lhs", Scramble::None, 10, 2).estimates(1000, |p| p[0]);
+    let (mean, variance) = crate::moments(&estimates);
+    assert!(variance > 0.0);
+    // Bias would be 0.05; the standard error is √(1/(12 · 10³) / 1000) = 0.0003.
+    assert!((mean - 0.5).abs() < 0.0015, "{mean}");
+}
+
+/// A swap that is not Fisher and Yates' makes some orders likelier than others. 24 orders of
+/// four rooks: chi-square of 23 degrees of freedom, mean 23, P(> 70) = 10^-6.
+#[test]
+fn trap_rooks_in_unequal_orders() {
+    let mut counts = std::collections::BTreeMap::new();
+    for trial in 0..12_000 {
+        let points = Set { trial, ..Set::named("lhs", Scramble::None, 4, 2) }.points();
+        let mut order = [0; 4];
+        for p in points.chunks(2) {
+            order[(p[0] * 4.0) as usize] = (p[1] * 4.0) as u32;
+        }
+        *counts.entry(order).or_insert(0.0) += 1.0;
+    }
+    let chi: f64 = counts.values().map(|c: &f64| (c - 500.0).powi(2) / 500.0).sum();
+    assert!(counts.len() == 24 && chi < 70.0, "{chi}");
+}
+
+/// A seed that leaves some axis where it was: variance zero, or too small, across seeds.
+#[test]
+fn trap_seed_that_does_not_reach_an_axis() {
+    for dim in [1, 2, 5] {
+        for set in every_random_set(16, dim) {
+            let first = set.points();
+            for other in [Set { seed: 7, ..set }, Set { trial: 1, ..set }] {
+                let second = other.points();
+                for axis in 0..dim {
+                    let mut axes = first.iter().zip(&second).skip(axis).step_by(dim);
+                    assert!(axes.any(|(a, b)| a != b), "{set}: axis {axis}");
+                }
+            }
+        }
+    }
+}
+
+/// A deterministic set repeated is not an experiment: its variance is not zero, it has none.
+#[test]
+fn trap_variance_of_a_deterministic_set() {
+    for sampler in SHELF {
+        for scramble in sampler.scrambles() {
+            let set = Set::new(*sampler, *scramble, 16, 2);
+            let admitted = sampler.admits(16, 2, false);
+            let repeats = admitted && set.points() != Set { trial: 1, ..set }.points();
+            let random = check(*sampler, *scramble).is_ok();
+            assert_eq!(random, sampler.is_randomised(*scramble), "{set}");
+            // Stored patterns differ from trial to trial, but are few.
+            let few = ["poisson", "best-candidate", "annealed"].contains(&sampler.name());
+            assert!(random == repeats || !admitted || few && !random, "{set}");
+        }
+    }
+    let error = check(by_name("sobol").unwrap(), Scramble::None).unwrap_err().to_string();
+    assert!(error.contains("deterministic") && error.contains("owen"), "{error}");
+}
+
+/// A shift that is implied, not named: every sampler can be shifted, and none is unless asked.
+#[test]
+fn trap_scrambles_that_are_not_named() {
+    for sampler in SHELF {
+        assert!(sampler.scrambles().contains(&Scramble::TorusShift), "{}", sampler.name());
+        assert!(check(*sampler, sampler.scrambles()[0]).is_ok(), "{}", sampler.name());
+    }
+}
+
+/// Linear scrambling has the variance of Owen's in the mean, but single estimates of it scatter
+/// far more: 20 estimates from 50 trials each, at N = 4,096 on a Gaussian. Of normal trials the
+/// largest exceeds the smallest sixfold less than once in 10^5 times.
+#[test]
+fn trap_linear_scrambles_have_heavy_tails() {
+    let f = |p: &[f64]| (-((p[0] - 0.3).powi(2) + (p[1] - 0.6).powi(2)) * 4.0).exp();
+    let spread = |scramble| {
+        let estimates = Set::named("sobol", scramble, 4096, 2).estimates(1000, f);
+        let variances: Vec<_> = estimates.chunks(50).map(variance).collect();
+        let largest = variances.iter().copied().fold(0.0, f64::max);
+        largest / variances.into_iter().fold(f64::INFINITY, f64::min)
+    };
+    let (owen, linear) = (spread(Scramble::Owen), spread(Scramble::LmsShift));
+    assert!(owen < 6.0, "{owen}");
+    assert!(linear > 6.0, "{linear}");
+}
+
+/// XOR alone keeps the points' differences: on a checkerboard of 64 × 64 all of up to 64 points
+/// fall on one colour, and the variance is that of a single point, 1/4.
+#[test]
+fn trap_xor_shift_on_a_checkerboard() {
+    let f = |p: &[f64]| f64::from(((p[0] * 64.0) as u32 + (p[1] * 64.0) as u32) & 1);
+    for n in [16, 64] {
+        let gain = |scramble| {
+            variance(&Set::named("sobol", scramble, n, 2).estimates(2000, f)) * n as f64 / 0.25
+        };
+        // A Bernoulli variable of 2,000 trials at one half: s² is 0.25 to within 0.1 %.
+        assert!((gain(Scramble::XorShift) / n as f64 - 1.0).abs() < 0.01);
+        assert!(gain(Scramble::Owen) < 1.2);
+    }
+}
+
+/// The screen-space sampler's pixels: each alone has the variance of the scrambled sequence,
+/// and a square of four errs far less than four that know nothing of each other.
+#[test]
+fn trap_neighbouring_pixels_that_share_or_ignore_their_strata() {
+    let f = |p: &[f64]| (p[0] * p[1] * 3.0).exp();
+    let alone = |sampler, pixel| {
+        let set = Set { pixel, ..Set::named(sampler, Scramble::OwenHash, 4, 2) };
+        set.estimates(2000, f)
+    };
+    let square = |sampler| {
+        let pixels = [[6, 8], [7, 8], [6, 9], [7, 9]].map(|pixel| alone(sampler, pixel));
+        let means: Vec<_> =
+            (0..2000).map(|t| pixels.iter().map(|p| p[t]).sum::<f64>() / 4.0).collect();
+        (variance(&pixels[0]), variance(&means))
+    };
+    let ((z_one, z_four), (one, four)) = (square("zsobol"), square("padded"));
+    // Two variances of 2,000 trials: 4.5 % in standard deviation, five of them.
+    assert!((z_one / one - 1.0).abs() < 0.23, "{z_one} {one}");
+    assert!((four / one * 4.0 - 1.0).abs() < 0.23, "{four} {one}");
+    assert!(z_four < 0.3 * four, "{z_four} {four}");
+}
