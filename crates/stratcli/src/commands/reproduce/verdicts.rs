@@ -146,7 +146,7 @@ fn closing_claims(claims: &Claims) -> Vec<Verdict> {
     ));
     for gain in &claims.gains {
         let Some((&n, (&[low, median, high], &factor))) =
-            gain.n.iter().zip(gain.quartiles.iter().zip(&gain.paper)).last()
+            gain.n.iter().zip(gain.quartiles.iter().zip(&gain.paper)).next_back()
         else {
             continue;
         };
