@@ -62,10 +62,12 @@ fn exr([width, height]: [u32; 2], rgb: &[Rgb], comments: &str) -> Result<Vec<u8>
         let [r, g, b] = rgb[y * width + x].map(|value| value as f32);
         (r, g, b)
     });
-    let mut about = LayerAttributes::default();
-    about.software_name = Some(Text::from(concat!("stratcli ", env!("CARGO_PKG_VERSION"))));
     // Attributes of our own would be written in the order of a hash map, another in every run.
-    about.comments = Text::new_or_none(comments);
+    let about = LayerAttributes {
+        software_name: Text::new_or_none(concat!("stratcli ", env!("CARGO_PKG_VERSION"))),
+        comments: Text::new_or_none(comments),
+        ..Default::default()
+    };
     let layer = Layer::new((width, height as usize), about, Encoding::SMALL_LOSSLESS, pixels);
     let mut file = Cursor::new(Vec::new());
     // One thread: the writer's own pool would ignore --threads.

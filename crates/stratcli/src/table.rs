@@ -49,6 +49,11 @@ pub fn number(x: f64, digits: usize) -> String {
     }
 }
 
+/// The same without trailing zeros, for numbers that were chosen rather than measured.
+pub fn short(x: f64, digits: usize) -> String {
+    number(x, digits).parse::<f64>().map_or_else(|_| x.to_string(), |x| x.to_string())
+}
+
 /// A value and its standard error, with as many decimals as show the error's first digit, but
 /// two at the least.
 pub fn with_error(value: f64, std_error: f64) -> String {
@@ -154,7 +159,7 @@ fn reading(sampler: &SamplerResult) -> String {
         let _ = writeln!(text, "  class: {class}{doubt}");
     }
     if let Some(p) = sampler.predicted {
-        let _ = writeln!(text, "  predicted: p = {}", (p * 1e4).round() / 1e4);
+        let _ = writeln!(text, "  predicted: p = {}", short(p, 5));
     }
     text
 }
@@ -171,6 +176,9 @@ mod tests {
         assert_eq!(number(0.0, 4), "0");
         assert_eq!(number(-0.5, 2), "-0.50");
         assert_eq!(number(f64::NAN, 4), "NaN");
+        assert_eq!(short(196.0, 4), "196");
+        assert_eq!(short(1.369_07, 5), "1.3691");
+        assert_eq!(short(f64::INFINITY, 4), "inf");
         assert_eq!(with_error(1.4893, 0.0334), "1.49 ± 0.03");
         assert_eq!(with_error(1.489_34, 0.000_42), "1.4893 ± 0.0004");
         assert_eq!(with_error(1.0, 0.0), "1.00 ± 0.00");

@@ -33,23 +33,23 @@ pub fn parse_counts(text: &str) -> Result<Vec<u64>, CountsError> {
     };
     let counts: Vec<u64> = if let Some((from, to)) = text.split_once("..") {
         let (last, exponent) = to.split_once('^').ok_or_else(unreadable)?;
-        let (lo, hi, term): (_, _, Box<dyn Fn(u64) -> Result<u64, CountsError>>) =
-            if let Some((base, first)) = from.split_once('^') {
-                let base = number(base)?;
-                if number(last)? != base {
-                    return Err(unreadable());
-                }
-                (number(first)?, number(exponent)?, Box::new(move |e| power(base, e)))
-            } else {
-                let exponent = number(exponent)?;
-                (number(from)?, number(last)?, Box::new(move |k| power(k, exponent)))
-            };
+        // Each term is a number, of which either the base or the exponent runs from lo to hi.
+        let (lo, hi, fixed_base) = if let Some((base, first)) = from.split_once('^') {
+            if number(last)? != number(base)? {
+                return Err(unreadable());
+            }
+            (number(first)?, number(exponent)?, true)
+        } else {
+            (number(from)?, number(last)?, false)
+        };
+        let fixed = number(if fixed_base { last } else { exponent })?;
         if lo > hi {
             return Err(out_of_range("a range that ends before it starts"));
         }
         if hi - lo >= MOST as u64 {
             return Err(out_of_range("too many counts"));
         }
+        let term = |k| if fixed_base { power(fixed, k) } else { power(k, fixed) };
         (lo..=hi).map(term).collect::<Result<_, _>>()?
     } else {
         text.split(',').map(number).collect::<Result<_, _>>()?

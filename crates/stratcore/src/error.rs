@@ -1,6 +1,6 @@
 //! What can go wrong in a study, each with its way out.
 
-use crate::sampler::Scramble;
+use crate::sampler::{PointFileError, Scramble};
 
 /// A study that could not be set up or finished.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -58,6 +58,32 @@ pub enum StudyError {
     /// A sampler's name that is not on the shelf.
     #[error("no sampler is called \"{name}\"; there are {known}")]
     UnknownSampler {
+        /// The name as typed.
+        name: String,
+        /// Names that exist.
+        known: String,
+    },
+    /// A file of point sets that cannot be used.
+    #[error(transparent)]
+    PointFile(#[from] PointFileError),
+    /// More trials than there are different sets.
+    #[error(
+        "{sampler} has {sets} different sets of {n} points, {trials} trials need as many; ask for \
+         fewer trials or scramble by torus-shift"
+    )]
+    TooFewSets {
+        /// Sampler's name.
+        sampler: &'static str,
+        /// Points in a set.
+        n: u64,
+        /// Sets there are.
+        sets: u32,
+        /// Trials asked for.
+        trials: u32,
+    },
+    /// A scramble's name that does not exist.
+    #[error("no scramble is called \"{name}\"; there are {known}")]
+    UnknownScramble {
         /// The name as typed.
         name: String,
         /// Names that exist.

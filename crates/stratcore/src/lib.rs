@@ -10,6 +10,7 @@
 //!       → variance of the mean → rows (N, variance) → Fit → StudyResult
 //! ```
 
+pub mod beam;
 pub mod counts;
 pub mod error;
 pub mod fit;
@@ -17,6 +18,7 @@ pub mod integrand;
 pub mod rng;
 pub mod sampler;
 pub mod scene;
+pub mod simd;
 pub mod study;
 pub mod theory;
 pub mod trace;

@@ -17,6 +17,9 @@ pub fn trial_means(
     first_trial: u32,
     means: &mut [f64],
 ) {
+    if integrand.trial_means(sampler, set, first_trial, means) {
+        return;
+    }
     let n = set.key.n_samples;
     let block = BLOCK.min(usize::try_from(n).unwrap_or(BLOCK));
     let mut points = vec![0.0; block * set.dim];

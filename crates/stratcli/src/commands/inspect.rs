@@ -3,7 +3,7 @@
 use super::Outcome;
 use crate::cli::{Common, InspectArgs};
 use crate::output;
-use crate::table::{Align, columns, number};
+use crate::table::{Align, columns, number, short};
 use anyhow::Result;
 use serde::Serialize;
 use stratcore::integrand::Integrand;
@@ -139,7 +139,7 @@ fn inspect(traced: &TracedScene) -> Inspection {
 }
 
 fn text(facts: &Inspection) -> String {
-    let triple = |v: &[f64; 3]| v.map(|x| number(x, 4)).join(" ");
+    let triple = |v: &[f64; 3]| v.map(|x| short(x, 4)).join(" ");
     let megabytes = |bytes: usize| format!("{} MB", number(bytes as f64 * 1e-6, 3));
     let camera = &facts.camera;
     let [width, height] = camera.resolution;
@@ -191,7 +191,7 @@ fn text(facts: &Inspection) -> String {
         .predicted
         .iter()
         .map(|p| {
-            let exponent = p.exponent.map(|e| format!("p = {}", number(e, 3))).unwrap_or_default();
+            let exponent = p.exponent.map(|e| format!("p = {}", short(e, 5))).unwrap_or_default();
             vec![p.class.to_string(), exponent, p.meaning.to_owned()]
         })
         .collect();

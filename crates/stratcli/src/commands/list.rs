@@ -3,7 +3,7 @@
 use super::Outcome;
 use crate::cli::{Common, ListArgs, Listed};
 use crate::output;
-use crate::table::{Align, columns, number};
+use crate::table::{Align, columns, short};
 use anyhow::Result;
 use serde::Serialize;
 use stratcore::integrand::{CATALOGUE, IntegrandInfo, ParamInfo};
@@ -107,7 +107,7 @@ fn text(listing: &Listing) -> String {
         for integrand in integrands {
             rows.push(named(integrand.name, integrand.summary));
             rows.extend(integrand.params.iter().map(|p| {
-                named("", &format!("--set {}={}: {}", p.name, number(p.default, 3), p.meaning))
+                named("", &format!("--set {}={}: {}", p.name, short(p.default, 4), p.meaning))
             }));
         }
         sections.push(("integrands", rows));

@@ -63,7 +63,7 @@ pub fn run(args: &RenderArgs, common: &Common) -> Result<Outcome> {
         output::print_json(Rendered { output, provenance })?;
     } else {
         output::print(&format!(
-            "{}: {name}, {width} × {height} pixels, {spp} jittered samples each, seed {seed}\n",
+            "{}: {name}, {width} × {height} pixels, jittered at {spp} spp, seed {seed}\n",
             output.display()
         ))?;
     }

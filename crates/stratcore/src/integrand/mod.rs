@@ -19,6 +19,7 @@ mod test_support;
 
 pub use catalogue::{CATALOGUE, IntegrandError, IntegrandInfo, ParamInfo, by_name};
 
+use crate::sampler::{PointSet, Sampler};
 use serde::Serialize;
 
 /// A function f on [0, 1)^d.
@@ -39,6 +40,19 @@ pub trait Integrand: Sync {
         for (value, point) in values.iter_mut().zip(points.chunks_exact(self.dim())) {
             *value = self.eval(point);
         }
+    }
+
+    /// A faster way to the means of trials `first_trial ..`, where this integrand has one for
+    /// this sampler: overwrites `means` and returns true. Otherwise the points are drawn and
+    /// evaluated one by one ([`crate::trial`]).
+    fn trial_means(
+        &self,
+        _sampler: &dyn Sampler,
+        _set: &PointSet,
+        _first_trial: u32,
+        _means: &mut [f64],
+    ) -> bool {
+        false
     }
 
     /// The mean of f, where it is known.

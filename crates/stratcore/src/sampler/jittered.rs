@@ -1,7 +1,7 @@
 //! One point per cell of a grid: the paper's stratified sampling.
 
 use super::random::UniformPoints;
-use super::{Kind, PointSet, Points, Sampler, Scramble};
+use super::{BELOW_ONE, Kind, PointSet, Points, Sampler, Scramble};
 
 /// One uniform point in each of the N = k^d cells of a grid, or of the k₁ × … × k_d cells of a
 /// rectangular one. Cells are numbered with the first coordinate running fastest.
@@ -28,7 +28,7 @@ impl Sampler for Jittered {
         usize::MAX
     }
     fn scrambles(&self) -> &'static [Scramble] {
-        &[Scramble::None]
+        &[Scramble::None, Scramble::TorusShift]
     }
     fn is_randomised(&self, _scramble: Scramble) -> bool {
         true
@@ -43,7 +43,7 @@ impl Sampler for Jittered {
     fn strata(&self, n: u64, dim: usize) -> Option<Vec<u64>> {
         Some(strata_per_axis(n, dim))
     }
-    fn points(&self, set: &PointSet) -> Box<dyn Points> {
+    fn construct(&self, set: &PointSet) -> Box<dyn Points> {
         let strata = strata_per_axis(set.key.n_samples, set.dim);
         let offsets = UniformPoints { stream: set.key.stream(), dim: set.dim };
         Box::new(JitteredPoints { strata, offsets })
@@ -78,7 +78,7 @@ fn smallest_divisor_from(n: u64, start: u64) -> u64 {
 }
 
 /// The largest k with k^dim ≤ n.
-fn root_floor(n: u64, dim: usize) -> u64 {
+pub(super) fn root_floor(n: u64, dim: usize) -> u64 {
     if dim == 1 {
         return n;
     }
@@ -112,9 +112,6 @@ impl Points for JitteredPoints {
         }
     }
 }
-
-/// The largest f64 below 1.
-const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 #[cfg(test)]
 mod tests {

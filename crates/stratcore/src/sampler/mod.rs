@@ -4,44 +4,91 @@
 //! the key of its randomness; [`Sampler::points`] makes it ready, and [`Points::fill`] writes
 //! any run of its points. Adding a sampler is one file and one line in [`SHELF`].
 
+mod annealed;
+mod best_candidate;
+mod cmj;
+mod file;
+mod grid;
+mod halton;
+mod hammersley;
+mod hash;
 mod jittered;
+mod lhs;
+mod memo;
+mod oa;
+mod owen;
+mod padded;
+mod patterns;
+mod permutation;
+mod pmj02;
+mod poisson;
+mod radical;
 mod random;
+mod rank1;
+mod rd;
+mod scramble;
+mod sobol;
+mod zero_two;
+mod zsobol;
 
+pub use annealed::Annealed;
+pub use best_candidate::BestCandidate;
+pub use cmj::CorrelatedMultiJittered;
+pub use file::{PointFile, PointFileError, PointFileFault};
+pub use grid::Grid;
+pub use halton::Halton;
+pub use hammersley::Hammersley;
 pub use jittered::{Jittered, strata_per_axis};
+pub use lhs::LatinHypercube;
+pub use oa::OrthogonalArray;
+pub use padded::Padded;
+pub use pmj02::Pmj02;
+pub use poisson::Poisson;
 pub use random::Random;
+pub use rank1::RankOne;
+pub use rd::Rd;
+pub use scramble::Scramble;
+pub use sobol::Sobol;
+pub use zsobol::ZSobol;
 
 use crate::error::StudyError;
 use crate::rng::StreamKey;
+use scramble::Shifted;
 
 /// Every sampler there is, in the order in which they are listed.
-pub const SHELF: &[&dyn Sampler] = &[&Random, &Jittered];
+pub const SHELF: &[&dyn Sampler] = &[
+    &Random,
+    &Jittered,
+    &Grid,
+    &LatinHypercube,
+    &CorrelatedMultiJittered,
+    &OrthogonalArray,
+    &Hammersley,
+    &Halton,
+    &Sobol,
+    &Padded,
+    &Pmj02,
+    &ZSobol,
+    &RankOne,
+    &Rd,
+    &Poisson,
+    &BestCandidate,
+    &Annealed,
+];
 
-/// The sampler of this name.
+/// The sampler of this name; `file:PATH` is the [`PointFile`] there.
 ///
 /// # Errors
-/// [`StudyError::UnknownSampler`] lists the names that exist.
+/// [`StudyError::UnknownSampler`] lists the names that exist; [`StudyError::PointFile`].
 pub fn by_name(name: &str) -> Result<&'static dyn Sampler, StudyError> {
+    if let Some(path) = name.strip_prefix("file:") {
+        return Ok(PointFile::load(path)?);
+    }
     SHELF.iter().copied().find(|s| s.name() == name).ok_or_else(|| {
         let known = SHELF.iter().map(|s| s.name()).collect::<Vec<_>>().join(", ");
+        let known = format!("{known}, file:PATH");
         StudyError::UnknownSampler { name: name.to_owned(), known }
     })
-}
-
-/// How a point set is made random when its construction is not, or made random once more.
-/// Always named beside the sampler, never implied.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Scramble {
-    /// The points as constructed.
-    None,
-}
-
-impl std::fmt::Display for Scramble {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::None => "none",
-        })
-    }
 }
 
 /// Whether a prefix of the points may serve as a smaller set.
@@ -97,6 +144,10 @@ pub trait Sampler: Send + Sync {
     fn scrambles(&self) -> &'static [Scramble];
     /// Whether repeats differ under this scramble. A deterministic set has no variance.
     fn is_randomised(&self, scramble: Scramble) -> bool;
+    /// Trials of `n` points that differ from one another: sets that are read, not made, run out.
+    fn most_trials(&self, _n: u64, scramble: Scramble) -> u32 {
+        if self.is_randomised(scramble) { u32::MAX } else { 1 }
+    }
     /// Whether exactly `n` points exist in `dim` dimensions.
     fn admits(&self, n: u64, dim: usize, rectangular: bool) -> bool;
     /// The nearest admissible counts below and above an `n` that is not admissible.
@@ -106,9 +157,23 @@ pub trait Sampler: Send + Sync {
     fn strata(&self, _n: u64, _dim: usize) -> Option<Vec<u64>> {
         None
     }
+    /// Makes the points of its own construction and of those scrambles that work on it.
+    /// [`Sampler::points`] calls it with [`Scramble::None`] for those that work on any points.
+    fn construct(&self, set: &PointSet) -> Box<dyn Points>;
     /// Makes the set ready. `set` has passed [`check`] and its N is admissible.
-    fn points(&self, set: &PointSet) -> Box<dyn Points>;
+    fn points(&self, set: &PointSet) -> Box<dyn Points> {
+        match set.scramble {
+            Scramble::TorusShift | Scramble::Tent => {
+                let constructed = self.construct(&PointSet { scramble: Scramble::None, ..*set });
+                Box::new(Shifted::new(constructed, set, set.scramble == Scramble::Tent))
+            }
+            _ => self.construct(set),
+        }
+    }
 }
+
+/// The largest f64 below 1.
+const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
 /// A point set that is ready to be read from any index on.
 pub trait Points {
@@ -171,6 +236,23 @@ pub fn check(sampler: &dyn Sampler, scramble: Scramble) -> Result<(), StudyError
     }
     if !sampler.is_randomised(scramble) {
         return Err(StudyError::Deterministic { sampler: name, choices: choices() });
+    }
+    Ok(())
+}
+
+/// Refuses more trials of `n` points than there are different sets.
+///
+/// # Errors
+/// [`StudyError::TooFewSets`].
+pub fn check_trials(
+    sampler: &dyn Sampler,
+    scramble: Scramble,
+    n: u64,
+    trials: u32,
+) -> Result<(), StudyError> {
+    let sets = sampler.most_trials(n, scramble);
+    if trials > sets {
+        return Err(StudyError::TooFewSets { sampler: sampler.name(), n, sets, trials });
     }
     Ok(())
 }

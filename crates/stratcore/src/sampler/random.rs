@@ -27,7 +27,7 @@ impl Sampler for Random {
         usize::MAX
     }
     fn scrambles(&self) -> &'static [Scramble] {
-        &[Scramble::None]
+        &[Scramble::None, Scramble::TorusShift]
     }
     fn is_randomised(&self, _scramble: Scramble) -> bool {
         true
@@ -38,7 +38,7 @@ impl Sampler for Random {
     fn neighbours(&self, _n: u64, _dim: usize) -> (Option<u64>, Option<u64>) {
         (None, Some(1))
     }
-    fn points(&self, set: &PointSet) -> Box<dyn Points> {
+    fn construct(&self, set: &PointSet) -> Box<dyn Points> {
         Box::new(UniformPoints { stream: set.key.stream(), dim: set.dim })
     }
 }

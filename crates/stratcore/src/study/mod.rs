@@ -203,7 +203,9 @@ fn summarise(integrand: &dyn Integrand, choice: SamplerChoice, rows: Vec<Row>) -
     let dim = integrand.dim();
     let fit = result::fit_rows(&rows, 0);
     let exact = rows.iter().all(|row| row.variance_of_mean == 0.0);
-    let reads_class = name == "jittered";
+    // A torus shift tears the strata apart: what is known of a sampler holds for it unscrambled.
+    let plain = choice.scramble == Scramble::None;
+    let reads_class = name == "jittered" && plain;
     let class = match (&fit, exact) {
         (_, true) => Some(Class::Exact),
         (Some(fit), _) if reads_class => Some(Class::of_exponent(fit.exponent, dim)),
@@ -217,7 +219,8 @@ fn summarise(integrand: &dyn Integrand, choice: SamplerChoice, rows: Vec<Row>) -
     let predicted = match integrand.regularity() {
         Regularity::Unknown if name == "random" && !exact => Some(1.0),
         Regularity::Unknown => class.and_then(|class| class.predicted_exponent(dim)),
-        known => predicted_exponent(name, dim, known),
+        known if plain || name == "random" => predicted_exponent(name, dim, known),
+        _ => None,
     };
     SamplerResult {
         name,

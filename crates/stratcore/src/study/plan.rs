@@ -72,7 +72,11 @@ impl StudyPlan {
             .iter()
             .map(|choice| {
                 sampler::check(choice.sampler, choice.scramble)?;
-                let used = |&n| sampler::count_used(choice.sampler, n, dim, self.count_policy);
+                let used = |&n| {
+                    let n = sampler::count_used(choice.sampler, n, dim, self.count_policy)?;
+                    sampler::check_trials(choice.sampler, choice.scramble, n, self.n_trials)?;
+                    Ok(n)
+                };
                 self.counts.iter().map(used).collect()
             })
             .collect()

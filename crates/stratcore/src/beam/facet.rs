@@ -1,0 +1,107 @@
+//! A triangle in the coordinates of one pixel.
+//!
+//! For a fixed eye the edge functions of a triangle and the inverse of its ray parameter are
+//! affine in the position within the pixel (Olano & Greer, *Triangle Scan Conversion using 2D
+//! Homogeneous Coordinates*, 1997), also when the triangle crosses the plane of the eye. They
+//! are set up in f64 relative to eye and pixel, so a sample is exact to the pixel and not to
+//! the world.
+
+use crate::beam::affine::{Affine, CentredFrame};
+use crate::beam::gather::Frustum;
+use crate::scene::Mesh;
+use glam::DVec3;
+
+/// What a pixel needs of a triangle that may be seen in it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Facet {
+    /// The triangle's index in the mesh; the lower one wins a tie.
+    pub triangle: u32,
+    /// Inside where none is negative. Each scaled to a largest coefficient of 1. The edge that
+    /// two triangles share has opposite functions, bit for bit.
+    pub edges: [Affine; 3],
+    /// 1/t, t the ray parameter of the hit; positive before the eye.
+    pub inverse_depth: Affine,
+    /// Unit normal, towards the eye.
+    pub normal: DVec3,
+    /// Distance of the triangle's plane from the eye, not negative.
+    pub plane_distance: f64,
+}
+
+impl Facet {
+    /// None for a triangle that has no area, is seen edge-on, or lies outside the pixel for
+    /// certain.
+    pub fn new(
+        mesh: &Mesh,
+        id: u32,
+        eye: DVec3,
+        centred: &CentredFrame,
+        frustum: &Frustum,
+    ) -> Option<Self> {
+        let index = mesh.triangles[id as usize];
+        let corner = index.map(|i| mesh.positions[i as usize]);
+        let relative = corner.map(|p| p - eye);
+        if frustum.misses(&relative) {
+            return None;
+        }
+        let normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
+        let length = normal.length();
+        let distance = relative[0].dot(normal) / length;
+        // Also leaves out what is not a number.
+        if !(distance.abs() > 0.0 && length > 0.0) {
+            return None;
+        }
+        let orientation = distance.signum();
+        let mut edges = [Affine::default(); 3];
+        for (edge, (from, to)) in edges.iter_mut().zip([(0, 1), (1, 2), (2, 0)]) {
+            // One order of the two ends for both triangles that share them, so that their
+            // functions cancel exactly. The difference of ends that lie close together is
+            // free of rounding, which p × q itself is not.
+            let keep = comes_first(&corner[from], &corner[to]);
+            let (p, q) = if keep { (from, to) } else { (to, from) };
+            let sign = if keep { orientation } else { -orientation };
+            let plane = relative[p].cross(corner[q] - corner[p]);
+            let function = Affine::dot(plane, centred);
+            let magnitude = function.magnitude();
+            if !(magnitude > 0.0) {
+                return None;
+            }
+            *edge = function.scaled(sign / magnitude);
+            if edge.c + edge.radius() < -1e-9 {
+                return None;
+            }
+        }
+        let normal = normal * (orientation / length);
+        let inverse_depth = Affine::dot(normal, centred).scaled(distance.abs().recip());
+        let before_eye = inverse_depth.c + inverse_depth.radius() > 0.0;
+        (before_eye && inverse_depth.magnitude().is_finite()).then_some(Self {
+            triangle: id,
+            edges,
+            inverse_depth,
+            normal: -normal,
+            plane_distance: distance.abs(),
+        })
+    }
+
+    /// 1/t at a position in the pixel where the triangle is hit.
+    pub fn hit(&self, s: f64, t: f64) -> Option<f64> {
+        let inside = self.edges.iter().all(|edge| edge.at(s, t) >= 0.0);
+        let inverse_depth = self.inverse_depth.at(s, t);
+        (inside && inverse_depth > 0.0).then_some(inverse_depth)
+    }
+
+    /// Whether every position in the pixel is inside by more than rounding.
+    pub fn covers(&self) -> bool {
+        self.edges.iter().all(|edge| edge.c - edge.radius() > 1e-9)
+    }
+
+    /// Least and greatest 1/t over the pixel.
+    pub fn inverse_depth_range(&self) -> [f64; 2] {
+        let radius = self.inverse_depth.radius();
+        [self.inverse_depth.c - radius, self.inverse_depth.c + radius]
+    }
+}
+
+/// A total order of points by their coordinates, the same for every triangle.
+fn comes_first(p: &DVec3, q: &DVec3) -> bool {
+    (p.x, p.y, p.z) < (q.x, q.y, q.z)
+}

@@ -1,0 +1,280 @@
+//! One pixel, ready to be sampled.
+
+use crate::beam::affine::{Affine, CentredFrame, Quadratic};
+use crate::beam::facet::Facet;
+use crate::beam::gather::{Frustum, gather};
+use crate::beam::shade::{Shade, coefficients};
+use crate::beam::shadow::{Occluder, occluders};
+use crate::integrand::Integrand;
+use crate::rng::StreamKey;
+use crate::sampler::{PointSet, Sampler, Scramble, strata_per_axis};
+use crate::scene::{Channel, Light, Scene};
+use crate::simd::{
+    self, Cells, Entry, Facet32, Ground, Isa, Lanes4, Pixel32, Placement, Shading, Strata,
+};
+use obvhs::bvh2::Bvh2;
+use std::sync::OnceLock;
+
+/// Directions may turn by this much across a pixel before a polynomial of second order is off
+/// by more than 1e-8 of the radiance.
+const NARROW: f64 = 4e-3;
+
+/// A pixel's visible triangles in its own coordinates; the integrand of a study.
+pub struct PixelBeam {
+    isa: Isa,
+    facets: Vec<Facet>,
+    shades: Vec<Shade>,
+    /// Occluders of all facets; each facet's run is in its [`Facet32`].
+    occluders: Vec<Occluder>,
+    length_squared: Quadratic,
+    background: f64,
+    /// The value that the kernels' radiances are relative to.
+    ground: f64,
+    pixel32: Pixel32,
+    /// Made when a sampler first asks for it.
+    cells: OnceLock<Cells>,
+}
+
+impl PixelBeam {
+    /// Gathers and sets up what pixel (x, y) can see. `bvh` holds the scene's triangles,
+    /// relative to the eye, in boxes that contain them.
+    ///
+    /// None for a scene that asks for smooth shading: its radiance is not affine data.
+    pub fn new(scene: &Scene, bvh: &Bvh2, pixel: [u32; 2], channel: Channel) -> Option<Self> {
+        if scene.mesh.corner_normals.is_some() {
+            return None;
+        }
+        let centred = CentredFrame::new(&scene.camera.pixel(pixel));
+        let facets = visible_facets(scene, bvh, &centred);
+        let shades: Vec<_> =
+            facets.iter().map(|facet| Shade::new(scene, channel, facet, &centred)).collect();
+        let background = channel.of(scene.background);
+        let length_squared = centred.length_squared();
+        let ground = match (facets.first(), shades.first()) {
+            (Some(facet), Some(shade)) => {
+                shade.at(0.0, 0.0, facet.inverse_depth.c, length_squared.c, true)
+            }
+            _ => background,
+        };
+        let ground = if ground.is_finite() { ground } else { 0.0 };
+        let shading = match scene.light {
+            Light::Headlight => {
+                let turn = centred.du.length().max(centred.dv.length()) / length_squared.c.sqrt();
+                if turn < NARROW { Shading::Polynomial } else { Shading::WideHeadlight }
+            }
+            Light::Directional { .. } => Shading::Directional,
+            Light::Point { .. } => Shading::Point,
+        };
+        let inverse_root = length_squared.inverse_root();
+        let mut all_occluders = Vec::new();
+        let mut facets32 = Vec::with_capacity(facets.len());
+        for (facet, shade) in facets.iter().zip(&shades) {
+            let first = all_occluders.len() as u32;
+            if shade.is_lit() {
+                occluders(scene, bvh, facet, &centred, &mut all_occluders);
+            }
+            let mut out = facet_lanes(facet);
+            out.occluders = first..all_occluders.len() as u32;
+            shade.write(shading, ground, &inverse_root, &mut out);
+            facets32.push(out);
+        }
+        let mut seen_behind = Facet32 { is_flat: true, ..Facet32::default() };
+        seen_behind.shade[0] = (background - ground) as f32;
+        let pixel32 = Pixel32 {
+            facets: facets32,
+            occluders: all_occluders.iter().map(Occluder::lanes).collect(),
+            ground: Ground {
+                shading,
+                background: seen_behind,
+                length_squared: coefficients(&length_squared),
+            },
+        };
+        let (isa, occluders) = (Isa::detect(), all_occluders);
+        Some(Self {
+            isa,
+            facets,
+            shades,
+            occluders,
+            length_squared,
+            background,
+            ground,
+            pixel32,
+            cells: OnceLock::new(),
+        })
+    }
+
+    /// The same beam, run by another instruction set.
+    #[must_use]
+    pub fn with_isa(mut self, isa: Isa) -> Self {
+        self.isa = isa;
+        self
+    }
+
+    /// Triangles that may be seen in the pixel.
+    pub fn n_facets(&self) -> usize {
+        self.facets.len()
+    }
+
+    /// The visible triangle at (u, v) in [0, 1)² and its radiance, in f64 throughout.
+    pub fn exact_sample(&self, u: f64, v: f64) -> (Option<u32>, f64) {
+        let (s, t) = (u - 0.5, v - 0.5);
+        let (winner, value) = self.nearest((0..self.facets.len()).map(|i| i as u32), s, t);
+        (winner.map(|i| self.facets[i as usize].triangle), value)
+    }
+
+    /// The nearest of the listed facets at (s, t), and its radiance.
+    fn nearest(&self, list: impl Iterator<Item = u32>, s: f64, t: f64) -> (Option<u32>, f64) {
+        let mut best: Option<(u32, f64)> = None;
+        for id in list {
+            if let Some(w) = self.facets[id as usize].hit(s, t) {
+                let wins = best.is_none_or(|(other, nearest)| {
+                    let triangle = |id: u32| self.facets[id as usize].triangle;
+                    w > nearest || w == nearest && triangle(id) < triangle(other)
+                });
+                if wins {
+                    best = Some((id, w));
+                }
+            }
+        }
+        let Some((id, w)) = best else { return (None, self.background) };
+        let run = self.pixel32.facets[id as usize].occluders.clone();
+        let occluders = &self.occluders[run.start as usize..run.end as usize];
+        let lit = !occluders.iter().any(|occluder| occluder.blocks(s, t));
+        let shade = &self.shades[id as usize];
+        (Some(id), shade.at(s, t, w, self.length_squared.at(s, t), lit))
+    }
+
+    /// Settles what f32 leaves in doubt.
+    fn settle(&self, list: &[Entry], s: f64, t: f64) -> f64 {
+        self.nearest(list.iter().map(|entry| entry.facet), s, t).1 - self.ground
+    }
+
+    fn cells(&self) -> &Cells {
+        /// Facets that are tried one after the other at every sample: sorting samples into
+        /// cells costs more.
+        const FEW: usize = 3;
+        self.cells.get_or_init(|| {
+            let per_axis = if self.facets.len() <= FEW { 1 } else { 16 };
+            simd::cells(self.isa, &self.pixel32, per_axis)
+        })
+    }
+}
+
+impl Integrand for PixelBeam {
+    fn dim(&self) -> usize {
+        2
+    }
+
+    fn axes(&self) -> Vec<String> {
+        vec!["pixel_x".into(), "pixel_y".into()]
+    }
+
+    fn eval(&self, point: &[f64]) -> f64 {
+        self.exact_sample(point[0], point[1]).1
+    }
+
+    /// Evaluates at the f32 numbers next to each point's offset from the pixel's centre.
+    fn eval_block(&self, points: &[f64], values: &mut [f64]) {
+        let axis = |axis: usize| points.chunks_exact(2).map(move |p| (p[axis] - 0.5) as f32);
+        let (s, t): (Vec<f32>, Vec<f32>) = (axis(0).collect(), axis(1).collect());
+        let mut found = vec![0.0; values.len()];
+        let settle = |list: &[Entry], s: f64, t: f64| self.settle(list, s, t);
+        let positions = [&s[..], &t[..]];
+        simd::values_at(self.isa, &self.pixel32, self.cells(), positions, &mut found, &settle);
+        for (value, found) in values.iter_mut().zip(found) {
+            *value = self.ground + f64::from(found);
+        }
+    }
+
+    fn trial_means(
+        &self,
+        sampler: &dyn Sampler,
+        set: &PointSet,
+        first_trial: u32,
+        means: &mut [f64],
+    ) -> bool {
+        /// Strata per axis up to which f32 positions leave no mark on the variance.
+        const MAX_STRATA: u64 = 4096;
+        /// Facets beyond which strata are so crowded that samples are sorted into cells first.
+        const MANY: usize = 1 << 20;
+        if set.scramble != Scramble::None {
+            return false;
+        }
+        let n = set.key.n_samples;
+        let (isa, pixel) = (self.isa, &self.pixel32);
+        let settle = |list: &[Entry], s: f64, t: f64| self.settle(list, s, t);
+        let streams: Vec<_> = (first_trial..)
+            .take(means.len())
+            .map(|trial| StreamKey { trial, ..set.key }.stream())
+            .collect();
+        match sampler.name() {
+            "jittered" => {
+                let strata = strata_per_axis(n, 2);
+                if strata.iter().any(|k| *k > MAX_STRATA) {
+                    return false;
+                }
+                let strata = Strata::new([strata[0] as u32, strata[1] as u32]);
+                if self.facets.len() > MANY {
+                    let (cells, placement) = (self.cells(), Placement::Strata(&strata));
+                    simd::scattered_sums(isa, pixel, cells, &placement, &streams, means, &settle);
+                } else {
+                    simd::strata_sums(isa, pixel, &strata, &streams, means, &settle);
+                }
+            }
+            "random" => {
+                let Ok(n) = u32::try_from(n) else { return false };
+                let (cells, placement) = (self.cells(), Placement::Anywhere(n));
+                simd::scattered_sums(isa, pixel, cells, &placement, &streams, means, &settle);
+            }
+            _ => return false,
+        }
+        for mean in means {
+            *mean = self.ground + *mean / n as f64;
+        }
+        true
+    }
+}
+
+/// Facets of the triangles that are not certainly hidden, nearest leaf first.
+fn visible_facets(scene: &Scene, bvh: &Bvh2, centred: &CentredFrame) -> Vec<Facet> {
+    let eye = scene.camera.eye;
+    let frustum = Frustum::new(centred, scene.camera.frame()[0]);
+    let mut facets: Vec<Facet> = Vec::new();
+    // 1/t that some covering facet reaches everywhere in the pixel.
+    let mut horizon = 0.0;
+    gather(bvh, &frustum, |leaf| {
+        for &id in leaf {
+            let Some(facet) = Facet::new(&scene.mesh, id, eye, centred, &frustum) else { continue };
+            let [lo, hi] = facet.inverse_depth_range();
+            if hi < horizon * (1.0 - 1e-9) {
+                continue;
+            }
+            if facet.covers() && lo > horizon {
+                horizon = lo;
+            }
+            facets.push(facet);
+        }
+        (horizon.recip() * (1.0 + 1e-6)) as f32
+    });
+    facets.retain(|facet| facet.inverse_depth_range()[1] >= horizon * (1.0 - 1e-9));
+    facets
+}
+
+fn facet_lanes(facet: &Facet) -> Facet32 {
+    let w = &facet.inverse_depth;
+    // Each coefficient rounds by 2^-25 of itself, and the two fused steps once more.
+    let w_slack = ((w.c.abs() + w.s.abs() + w.t.abs()) * 2f64.powi(-22)) as f32;
+    Facet32 {
+        lanes: lanes([facet.edges[0], facet.edges[1], facet.edges[2], *w]),
+        w_slack,
+        ..Facet32::default()
+    }
+}
+
+pub(super) fn lanes(functions: [Affine; 4]) -> Lanes4 {
+    Lanes4 {
+        c: functions.map(|f| f.c as f32),
+        s: functions.map(|f| f.s as f32),
+        t: functions.map(|f| f.t as f32),
+    }
+}

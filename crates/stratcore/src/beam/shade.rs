@@ -1,0 +1,127 @@
+//! What a facet sends to the eye, in f64 for single samples and in f32 for the kernels.
+
+use crate::beam::affine::{Affine, CentredFrame, Quadratic};
+use crate::beam::facet::Facet;
+use crate::scene::{Channel, Light, Material, Rgb, Scene};
+use crate::simd::{Facet32, Shading};
+use glam::DVec3;
+
+/// Radiance of one facet, in the studied channel: `unlit` always, and where the light reaches
+/// it the lit term.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Shade {
+    pub unlit: f64,
+    pub lit: Lit,
+}
+
+/// The part of radiance that a shadow takes away.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Lit {
+    /// The same everywhere; 0 on a facet that the light is behind.
+    Constant(f64),
+    /// factor · (n·D) / |D|, from a headlight.
+    Headlight { cosine: Affine },
+    /// factor · w³ / q^(3/2), q = |l w - D|², from a point light at l.
+    Point { factor: f64, square: Quadratic },
+}
+
+impl Shade {
+    pub fn new(scene: &Scene, channel: Channel, facet: &Facet, centred: &CentredFrame) -> Self {
+        let material = &scene.materials[scene.mesh.materials[facet.triangle as usize] as usize];
+        let product = |light: Rgb| channel_product(channel, material, light);
+        let unlit = channel.of(material.ke) + product(scene.ambient);
+        let lit = match scene.light {
+            Light::Headlight => {
+                let cosine = Affine::dot(-facet.normal, centred).scaled(product([1.0; 3]));
+                Lit::Headlight { cosine }
+            }
+            Light::Directional { towards, irradiance } => {
+                Lit::Constant(product(irradiance) * facet.normal.dot(towards).max(0.0))
+            }
+            Light::Point { position, intensity } => {
+                let light = position - scene.camera.eye;
+                let height = facet.normal.dot(light) + facet.plane_distance;
+                if height > 0.0 {
+                    let square = square_to_light(light, &facet.inverse_depth, centred);
+                    Lit::Point { factor: product(intensity) * height, square }
+                } else {
+                    Lit::Constant(0.0)
+                }
+            }
+        };
+        Self { unlit, lit }
+    }
+
+    /// Radiance at a position, in the light or out of it.
+    pub fn at(&self, s: f64, t: f64, inverse_depth: f64, length_squared: f64, lit: bool) -> f64 {
+        let gain = match &self.lit {
+            _ if !lit => 0.0,
+            Lit::Constant(value) => *value,
+            Lit::Headlight { cosine } => cosine.at(s, t) / length_squared.sqrt(),
+            Lit::Point { factor, square } => {
+                factor * (inverse_depth / square.at(s, t).sqrt()).powi(3)
+            }
+        };
+        self.unlit + gain
+    }
+
+    /// Whether a shadow would make a difference.
+    pub fn is_lit(&self) -> bool {
+        !matches!(self.lit, Lit::Constant(value) if value == 0.0)
+    }
+
+    /// Fills the shading fields, relative to the pixel's ground value.
+    pub fn write(
+        &self,
+        shading: Shading,
+        ground: f64,
+        inverse_root: &Quadratic,
+        out: &mut Facet32,
+    ) {
+        out.shade[0] = (self.unlit - ground) as f32;
+        match &self.lit {
+            Lit::Constant(value) => {
+                out.is_flat = true;
+                // Takes any w to 0 under a point light: the facet is turned away from it.
+                out.to_light[0] = 1.0;
+                match shading {
+                    Shading::Polynomial | Shading::WideHeadlight => {
+                        out.shade[0] = (self.unlit + value - ground) as f32;
+                    }
+                    Shading::Directional | Shading::Point => out.shade_gain[0] = *value as f32,
+                }
+            }
+            Lit::Headlight { cosine } if shading == Shading::WideHeadlight => {
+                out.shade_gain = [cosine.c, cosine.s, cosine.t].map(|x| x as f32);
+            }
+            Lit::Headlight { cosine } => {
+                let mut radiance = inverse_root.times(cosine);
+                radiance.c += self.unlit - ground;
+                out.shade = coefficients(&radiance);
+                out.is_flat = radiance.is_constant();
+            }
+            Lit::Point { factor, square } => {
+                // In units of its middle value, so that the root and the cube stay in range.
+                let unit = square.c.sqrt();
+                out.to_light = coefficients(&square.scaled(unit.powi(-2)));
+                out.shade_gain[0] = (factor * unit.powi(-3)) as f32;
+            }
+        }
+    }
+}
+
+/// |l w - D|² over the pixel, w = 1/t on the facet.
+fn square_to_light(light: DVec3, inverse_depth: &Affine, centred: &CentredFrame) -> Quadratic {
+    let c = light * inverse_depth.c - centred.dc;
+    let s = light * inverse_depth.s - centred.du;
+    let t = light * inverse_depth.t - centred.dv;
+    CentredFrame { dc: c, du: s, dv: t }.length_squared()
+}
+
+fn channel_product(channel: Channel, material: &Material, light: Rgb) -> f64 {
+    channel.of(std::array::from_fn(|i| material.kd[i] * light[i]))
+}
+
+pub(crate) fn coefficients(q: &Quadratic) -> [f32; 6] {
+    [q.c, q.s, q.t, q.ss, q.st, q.tt].map(|x| x as f32)
+}

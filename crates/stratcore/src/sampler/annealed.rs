@@ -1,0 +1,250 @@
+//! Patterns optimised for edges of any position and angle.
+
+use super::hash::{below, splitmix, unit};
+use super::patterns::pattern;
+use super::{BELOW_ONE, Kind, PointSet, Points, Sampler, Scramble};
+use std::f64::consts::PI;
+
+/// Patterns in the unit square whose arbitrary-edge discrepancy simulated annealing has made
+/// small: the largest difference, over all straight edges, between the share of points on one
+/// side and the share of area.
+///
+/// Edges of one direction see the points in one dimension: a point's coordinate is the share of
+/// the square before the edge through it, and the rank it should have is known. What is
+/// annealed is the sum, over a fan of directions and all points, of a high even power of the
+/// difference in rank; its root is close to the maximum, and a move changes few ranks.
+///
+/// Patterns are made once and kept. A torus shift makes their estimates unbiased, but it moves
+/// the border, for which the unshifted pattern is optimised, into the middle.
+#[derive(Debug, Clone, Copy)]
+pub struct Annealed;
+
+/// The largest N: about a second for each pattern.
+const MOST: u64 = 256;
+
+impl Sampler for Annealed {
+    fn name(&self) -> &'static str {
+        "annealed"
+    }
+    fn summary(&self) -> &'static str {
+        "pattern annealed to low arbitrary-edge discrepancy"
+    }
+    fn source(&self) -> &'static str {
+        "Dobkin, Eppstein & Mitchell 1996; Cross 1995"
+    }
+    fn stream_id(&self) -> u8 {
+        15
+    }
+    fn kind(&self) -> Kind {
+        Kind::Set
+    }
+    fn max_dim(&self) -> usize {
+        2
+    }
+    fn scrambles(&self) -> &'static [Scramble] {
+        &[Scramble::TorusShift, Scramble::None]
+    }
+    fn is_randomised(&self, scramble: Scramble) -> bool {
+        scramble != Scramble::None
+    }
+    fn admits(&self, n: u64, dim: usize, _rectangular: bool) -> bool {
+        dim == 2 && (1..=MOST).contains(&n)
+    }
+    fn neighbours(&self, n: u64, dim: usize) -> (Option<u64>, Option<u64>) {
+        match n {
+            _ if dim != 2 => (None, None),
+            0 => (None, Some(1)),
+            _ => (Some(MOST), None),
+        }
+    }
+    fn construct(&self, set: &PointSet) -> Box<dyn Points> {
+        pattern(self.stream_id(), set, |n, _dim, key| anneal(n, key))
+    }
+}
+
+type Point = [f64; 2];
+
+fn anneal(n: usize, key: u64) -> Vec<f64> {
+    /// Change of the energy, relative to its share of a point, that is accepted with
+    /// probability 1/e: at the start and at the end.
+    const TEMPERATURES: [f64; 2] = [5.0, 0.05];
+    /// Width of the box of moves, in units of N^(-1/2): at the start and at the end.
+    const REACHES: [f64; 2] = [2.0, 0.04];
+    let sweeps = 25_600 / n.max(64);
+    let root = (n as f64).sqrt();
+    let mut numbers = (0..).map(|i| splitmix(key, i));
+    let mut next = || numbers.next().unwrap_or(0);
+    let mut points: Vec<Point> = (0..n).map(|_| [unit(next()), unit(next())]).collect();
+    // Edges through points next to each other differ in angle by about 1/√N.
+    let directions = (16.0 * root) as usize + 32;
+    let angle = |i| (i as f64 + 0.5) * PI / directions as f64;
+    let mut fan: Vec<_> = (0..directions).map(|i| Direction::new(angle(i), &points)).collect();
+    for sweep in 0..sweeps {
+        let schedule =
+            |[start, end]: [f64; 2]| start * f64::powf(end / start, sweep as f64 / sweeps as f64);
+        let reach = schedule(REACHES) / root;
+        let temperature = schedule(TEMPERATURES) / n as f64;
+        // Afresh in every sweep, so that rounding does not add up.
+        let mut energy: f64 = fan.iter().map(Direction::energy).sum();
+        for _ in 0..n {
+            let moved = below(n as u64, next()) as usize;
+            let old = points[moved];
+            let new = old.map(|x| reflect(x + reach * (unit(next()) - 0.5)));
+            let change: f64 = fan.iter().map(|direction| direction.change(old, new)).sum();
+            if change <= 0.0 || unit(next()) < (-change / (energy * temperature)).exp() {
+                points[moved] = new;
+                energy += change;
+                fan.iter_mut().for_each(|direction| direction.apply(old, new));
+            }
+        }
+    }
+    points.concat()
+}
+
+fn reflect(x: f64) -> f64 {
+    x.abs().min(2.0 - x.abs()).min(BELOW_ONE)
+}
+
+/// The points as the edges of one direction see them.
+struct Direction {
+    normal: Point,
+    /// Least product of the normal with a point of the square.
+    least: f64,
+    /// The normal's larger and smaller component.
+    sides: [f64; 2],
+    /// Share of the square before the edge through each point, in ascending order.
+    shares: Vec<f64>,
+}
+
+impl Direction {
+    fn new(angle: f64, points: &[Point]) -> Self {
+        let (s, c) = angle.sin_cos();
+        let sides = [c.abs().max(s.abs()), c.abs().min(s.abs())];
+        let least = c.min(0.0) + s.min(0.0);
+        let mut direction = Self { normal: [c, s], least, sides, shares: Vec::new() };
+        let mut shares: Vec<_> = points.iter().map(|point| direction.share(*point)).collect();
+        shares.sort_by(f64::total_cmp);
+        direction.shares = shares;
+        direction
+    }
+
+    /// Area of the square before the edge through a point: the distribution function of a
+    /// trapezium.
+    fn share(&self, [x, y]: Point) -> f64 {
+        let [a, b] = self.sides;
+        let t = self.normal[0] * x + self.normal[1] * y - self.least;
+        if t < b {
+            t * t / (2.0 * a * b)
+        } else if t <= a {
+            (t - 0.5 * b) / a
+        } else {
+            1.0 - (a + b - t) * (a + b - t) / (2.0 * a * b)
+        }
+    }
+
+    /// What a point of this share and rank adds to the energy.
+    fn term(&self, share: f64, rank: usize) -> f64 {
+        let off = share * self.shares.len() as f64 - rank as f64 - 0.5;
+        off.powi(16)
+    }
+
+    fn energy(&self) -> f64 {
+        self.shares.iter().zip(0..).map(|(share, rank)| self.term(*share, rank)).sum()
+    }
+
+    fn rank(&self, share: f64) -> usize {
+        self.shares.partition_point(|other| *other < share)
+    }
+
+    /// What moving a point would add to the energy: its own terms, and those of the points that
+    /// it passes and that change rank by one.
+    fn change(&self, old: Point, new: Point) -> f64 {
+        let (old, new) = (self.share(old), self.share(new));
+        let (from, to) = (self.rank(old), self.rank(new));
+        let step = |rank: usize, then: usize| {
+            self.term(self.shares[rank], then) - self.term(self.shares[rank], rank)
+        };
+        let (passed, lands): (f64, _) = if new > old {
+            ((from + 1..to).map(|rank| step(rank, rank - 1)).sum(), to - 1)
+        } else {
+            ((to..from).map(|rank| step(rank, rank + 1)).sum(), to)
+        };
+        passed + self.term(new, lands) - self.term(old, from)
+    }
+
+    fn apply(&mut self, old: Point, new: Point) {
+        let (old, new) = (self.share(old), self.share(new));
+        let (from, to) = (self.rank(old), self.rank(new));
+        if new > old {
+            self.shares[from..to].rotate_left(1);
+            self.shares[to - 1] = new;
+        } else {
+            self.shares[to..=from].rotate_right(1);
+            self.shares[to] = new;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::rng::StreamKey;
+
+    #[test]
+    fn a_move_changes_the_energy_by_what_was_foreseen() {
+        let mut numbers = (0..).map(|i| unit(splitmix(5, i)));
+        let mut draw = || [numbers.next().unwrap(), numbers.next().unwrap()];
+        let mut points: Vec<Point> = (0..20).map(|_| draw()).collect();
+        for angle in [0.0, 0.1, 1.0, 1.6, 2.5] {
+            let mut direction = Direction::new(angle, &points);
+            for point in &mut points {
+                let new = draw();
+                let (before, change) = (direction.energy(), direction.change(*point, new));
+                direction.apply(*point, new);
+                *point = new;
+                let after = direction.energy();
+                assert!((before + change - after).abs() <= 1e-9 * before.max(after));
+                assert!(direction.shares.is_sorted());
+            }
+            assert_eq!(direction.shares, Direction::new(angle, &points).shares);
+        }
+    }
+
+    /// Largest difference over all edges through two points, on either side of both.
+    fn discrepancy(points: &[f64]) -> f64 {
+        let n = points.len() / 2;
+        let points: Vec<Point> = points.chunks(2).map(|p| [p[0], p[1]]).collect();
+        let mut largest = 0.0f64;
+        for i in 0..n {
+            for j in 0..i {
+                let [dx, dy] = [points[j][0] - points[i][0], points[j][1] - points[i][1]];
+                let edge = Direction::new(dx.atan2(-dy), &[]);
+                let share = edge.share(points[i]);
+                let before = |(k, p): (usize, &Point)| k != i && k != j && edge.share(*p) < share;
+                let count = points.iter().enumerate().filter(|kp| before(*kp)).count() as f64;
+                let off = |count: f64| (share - count / n as f64).abs();
+                largest = largest.max(off(count)).max(off(count + 2.0));
+            }
+        }
+        largest
+    }
+
+    /// Mitchell 1996: annealed patterns have "nearly half the discrepancy of jittered" ones.
+    /// Seen here: 0.57 at N = 16, 0.53 at N = 64. The mean of 16 jittered patterns scatters by
+    /// 4 %, an annealed one by 3 %: the bound is six of both together.
+    #[test]
+    fn edge_discrepancy_is_nearly_half_of_jittered() {
+        for n in [16, 64] {
+            let jittered = |trial| {
+                let key = StreamKey { seed: 1, pixel: [0, 0], sampler: 1, n_samples: n, trial };
+                let set = PointSet { key, dim: 2, scramble: Scramble::None, rectangular: false };
+                let mut points = vec![0.0; 2 * n as usize];
+                super::super::Jittered.points(&set).fill(0, &mut points);
+                discrepancy(&points)
+            };
+            let jittered = (0..16).map(jittered).sum::<f64>() / 16.0;
+            let ratio = discrepancy(&anneal(n as usize, 3)) / jittered;
+            assert!((0.4..0.7).contains(&ratio), "{n}: {ratio}");
+        }
+    }
+}

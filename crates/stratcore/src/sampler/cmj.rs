@@ -1,0 +1,91 @@
+//! Correlated multi-jittered sampling.
+
+use super::hash::splitmix;
+use super::permutation::Permutation;
+use super::random::UniformPoints;
+use super::{BELOW_ONE, Jittered, Kind, PointSet, Points, Sampler, Scramble, strata_per_axis};
+
+/// One point in each of the m × n cells of a grid and, at the same time, in each of the mn
+/// columns and mn rows. All columns of cells share one order of their rows' offsets, and all
+/// rows one order of their columns', which keeps neighbours apart.
+///
+/// m and n are the strata of `jittered`: equal, or as equal as the count allows where
+/// rectangles are allowed.
+#[derive(Debug, Clone, Copy)]
+pub struct CorrelatedMultiJittered;
+
+impl Sampler for CorrelatedMultiJittered {
+    fn name(&self) -> &'static str {
+        "cmj"
+    }
+    fn summary(&self) -> &'static str {
+        "correlated multi-jittered: stratified in 2-D cells and along both axes"
+    }
+    fn source(&self) -> &'static str {
+        "Chiu, Shirley & Wang 1994; Kensler 2013"
+    }
+    fn stream_id(&self) -> u8 {
+        4
+    }
+    fn kind(&self) -> Kind {
+        Kind::Set
+    }
+    fn max_dim(&self) -> usize {
+        2
+    }
+    fn scrambles(&self) -> &'static [Scramble] {
+        &[Scramble::None, Scramble::TorusShift]
+    }
+    fn is_randomised(&self, _scramble: Scramble) -> bool {
+        true
+    }
+    fn admits(&self, n: u64, dim: usize, rectangular: bool) -> bool {
+        Jittered.admits(n, dim, rectangular)
+    }
+    fn neighbours(&self, n: u64, dim: usize) -> (Option<u64>, Option<u64>) {
+        Jittered.neighbours(n, dim)
+    }
+    fn construct(&self, set: &PointSet) -> Box<dyn Points> {
+        let stream = set.key.stream();
+        let strata = strata_per_axis(set.key.n_samples, set.dim);
+        let (columns, rows) = (strata[0], strata.get(1).copied().unwrap_or(1));
+        let key = |axis| splitmix(stream.scramble_bits(), axis);
+        Box::new(MultiJitteredPoints {
+            columns,
+            rows,
+            offset_of_row: Permutation::new(rows, key(0)),
+            offset_of_column: Permutation::new(columns, key(1)),
+            offsets: UniformPoints { stream, dim: set.dim },
+        })
+    }
+}
+
+struct MultiJitteredPoints {
+    columns: u64,
+    rows: u64,
+    offset_of_row: Permutation,
+    offset_of_column: Permutation,
+    offsets: UniformPoints,
+}
+
+impl Points for MultiJitteredPoints {
+    fn fill(&self, first: u64, points: &mut [f64]) {
+        self.offsets.fill(first, points);
+        let n = (self.columns * self.rows) as f64;
+        let (mut column, mut row) = (first % self.columns, first / self.columns);
+        for point in points.chunks_exact_mut(self.offsets.dim) {
+            // Kensler 2013, section 2: the cell, then the slab within it.
+            let slabs = [
+                column * self.rows + self.offset_of_row.get(row),
+                row * self.columns + self.offset_of_column.get(column),
+            ];
+            for (x, slab) in point.iter_mut().zip(slabs) {
+                *x = ((slab as f64 + *x) / n).min(BELOW_ONE);
+            }
+            column += 1;
+            if column == self.columns {
+                (column, row) = (0, row + 1);
+            }
+        }
+    }
+}

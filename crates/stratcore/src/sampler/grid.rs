@@ -1,0 +1,60 @@
+//! The centres of a grid's cells: the deterministic set that jittering randomises.
+
+use super::{Jittered, Kind, PointSet, Points, Sampler, Scramble, strata_per_axis};
+
+/// The centres of the cells of a k^d (or k₁ × … × k_d) grid. Under a torus shift all points
+/// move by one random vector: uniform jitter.
+#[derive(Debug, Clone, Copy)]
+pub struct Grid;
+
+impl Sampler for Grid {
+    fn name(&self) -> &'static str {
+        "grid"
+    }
+    fn summary(&self) -> &'static str {
+        "centres of a k^d grid; with one random shift, uniform jitter"
+    }
+    fn source(&self) -> &'static str {
+        "Ramamoorthi, Anderson, Meyer & Nowrouzezahrai 2012 (uniform jitter)"
+    }
+    fn stream_id(&self) -> u8 {
+        2
+    }
+    fn kind(&self) -> Kind {
+        Kind::Set
+    }
+    fn max_dim(&self) -> usize {
+        usize::MAX
+    }
+    fn scrambles(&self) -> &'static [Scramble] {
+        &[Scramble::TorusShift, Scramble::Tent, Scramble::None]
+    }
+    fn is_randomised(&self, scramble: Scramble) -> bool {
+        scramble != Scramble::None
+    }
+    fn admits(&self, n: u64, dim: usize, rectangular: bool) -> bool {
+        Jittered.admits(n, dim, rectangular)
+    }
+    fn neighbours(&self, n: u64, dim: usize) -> (Option<u64>, Option<u64>) {
+        Jittered.neighbours(n, dim)
+    }
+    fn construct(&self, set: &PointSet) -> Box<dyn Points> {
+        Box::new(GridPoints { strata: strata_per_axis(set.key.n_samples, set.dim) })
+    }
+}
+
+struct GridPoints {
+    strata: Vec<u64>,
+}
+
+impl Points for GridPoints {
+    fn fill(&self, first: u64, points: &mut [f64]) {
+        for (index, point) in (first..).zip(points.chunks_exact_mut(self.strata.len())) {
+            let mut rest = index;
+            for (x, &k) in point.iter_mut().zip(&self.strata) {
+                *x = ((rest % k) as f64 + 0.5) / k as f64;
+                rest /= k;
+            }
+        }
+    }
+}

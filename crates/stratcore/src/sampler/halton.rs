@@ -1,0 +1,73 @@
+//! The Halton sequence.
+
+use super::hash::splitmix;
+use super::radical::{RadicalInverse, primes};
+use super::sobol::{MOST_POINTS, digital_neighbours};
+use super::{Kind, PointSet, Points, Sampler, Scramble};
+use std::sync::OnceLock;
+
+/// Radical inverses of the index in the first d primes.
+#[derive(Debug, Clone, Copy)]
+pub struct Halton;
+
+impl Sampler for Halton {
+    fn name(&self) -> &'static str {
+        "halton"
+    }
+    fn summary(&self) -> &'static str {
+        "Halton sequence: radical inverses in the first d primes, any N"
+    }
+    fn source(&self) -> &'static str {
+        "Halton 1960; digit scrambles: Owen 1995, Matousek 1998"
+    }
+    fn stream_id(&self) -> u8 {
+        7
+    }
+    fn kind(&self) -> Kind {
+        Kind::Sequence
+    }
+    fn max_dim(&self) -> usize {
+        BASES
+    }
+    fn scrambles(&self) -> &'static [Scramble] {
+        &[Scramble::Owen, Scramble::DigitPermutation, Scramble::TorusShift, Scramble::None]
+    }
+    fn is_randomised(&self, scramble: Scramble) -> bool {
+        scramble != Scramble::None
+    }
+    fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
+        (1..=MOST_POINTS).contains(&n)
+    }
+    fn neighbours(&self, n: u64, _dim: usize) -> (Option<u64>, Option<u64>) {
+        digital_neighbours(n)
+    }
+    fn construct(&self, set: &PointSet) -> Box<dyn Points> {
+        Box::new(HaltonPoints { axes: radical_inverses(set, set.dim) })
+    }
+}
+
+/// Dimensions: the number of prime bases kept.
+pub(super) const BASES: usize = 1024;
+
+/// The first `count` coordinates of the Halton sequence, scrambled as the set says.
+pub(super) fn radical_inverses(set: &PointSet, count: usize) -> Vec<RadicalInverse> {
+    static PRIMES: OnceLock<Vec<u64>> = OnceLock::new();
+    let bases = PRIMES.get_or_init(|| primes(BASES));
+    let bits = set.key.stream().scramble_bits();
+    let axis = |(axis, base): (u64, &u64)| {
+        RadicalInverse::new(*base, set.key.n_samples, set.scramble, splitmix(bits, axis), set.dim)
+    };
+    (0..).zip(&bases[..count]).map(axis).collect()
+}
+
+struct HaltonPoints {
+    axes: Vec<RadicalInverse>,
+}
+
+impl Points for HaltonPoints {
+    fn fill(&self, first: u64, points: &mut [f64]) {
+        for (axis, coordinates) in self.axes.iter().enumerate() {
+            coordinates.fill(first, points, axis, self.axes.len());
+        }
+    }
+}

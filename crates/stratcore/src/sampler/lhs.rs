@@ -1,0 +1,72 @@
+//! Latin hypercube sampling: one point in each of N slabs along every axis.
+
+use super::hash::splitmix;
+use super::permutation::Permutation;
+use super::random::UniformPoints;
+use super::{BELOW_ONE, Kind, PointSet, Points, Sampler, Scramble};
+
+/// N-rooks: along each axis the N points lie in N different slabs, paired at random between
+/// axes, each point uniform in its cell.
+#[derive(Debug, Clone, Copy)]
+pub struct LatinHypercube;
+
+impl Sampler for LatinHypercube {
+    fn name(&self) -> &'static str {
+        "lhs"
+    }
+    fn summary(&self) -> &'static str {
+        "Latin hypercube (N-rooks): stratified along every single axis"
+    }
+    fn source(&self) -> &'static str {
+        "McKay, Beckman & Conover 1979; Shirley 1991"
+    }
+    fn stream_id(&self) -> u8 {
+        3
+    }
+    fn kind(&self) -> Kind {
+        Kind::Set
+    }
+    fn max_dim(&self) -> usize {
+        usize::MAX
+    }
+    fn scrambles(&self) -> &'static [Scramble] {
+        &[Scramble::None, Scramble::TorusShift]
+    }
+    fn is_randomised(&self, _scramble: Scramble) -> bool {
+        true
+    }
+    fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
+        n >= 1
+    }
+    fn neighbours(&self, _n: u64, _dim: usize) -> (Option<u64>, Option<u64>) {
+        (None, Some(1))
+    }
+    fn construct(&self, set: &PointSet) -> Box<dyn Points> {
+        let stream = set.key.stream();
+        let n = set.key.n_samples;
+        let key = |axis| splitmix(stream.scramble_bits(), axis);
+        // The first axis keeps its order: the set is the same.
+        let others = (1..set.dim as u64).map(|axis| Permutation::new(n, key(axis))).collect();
+        Box::new(RooksPoints { n, others, offsets: UniformPoints { stream, dim: set.dim } })
+    }
+}
+
+struct RooksPoints {
+    n: u64,
+    others: Vec<Permutation>,
+    offsets: UniformPoints,
+}
+
+impl Points for RooksPoints {
+    fn fill(&self, first: u64, points: &mut [f64]) {
+        self.offsets.fill(first, points);
+        let n = self.n as f64;
+        for (index, point) in (first..).zip(points.chunks_exact_mut(self.offsets.dim)) {
+            let (x, others) = point.split_at_mut(1);
+            x[0] = ((index as f64 + x[0]) / n).min(BELOW_ONE);
+            for (x, permutation) in others.iter_mut().zip(&self.others) {
+                *x = ((permutation.get(index) as f64 + *x) / n).min(BELOW_ONE);
+            }
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! Orthogonal array sampling, strength 2.
+
+use super::hash::splitmix;
+use super::jittered::root_floor;
+use super::permutation::Permutation;
+use super::random::UniformPoints;
+use super::{BELOW_ONE, Kind, PointSet, Points, Sampler, Scramble};
+
+/// N = p² points, p prime, in up to p + 1 dimensions: every pair of dimensions sees one point
+/// in each of its p × p cells, as correlated multi-jitter would, and every single dimension one
+/// in each of p² slabs.
+#[derive(Debug, Clone, Copy)]
+pub struct OrthogonalArray;
+
+/// The largest prime whose square is at most 2^32.
+const LARGEST_PRIME: u64 = 65_521;
+
+impl Sampler for OrthogonalArray {
+    fn name(&self) -> &'static str {
+        "oa"
+    }
+    fn summary(&self) -> &'static str {
+        "orthogonal array of strength 2: all 2-D projections multi-jittered, N = p^2"
+    }
+    fn source(&self) -> &'static str {
+        "Bose 1938; Owen 1992; Tang 1993; Jarosz, Enayet, Kensler, Kilpatrick & Christensen 2019"
+    }
+    fn stream_id(&self) -> u8 {
+        5
+    }
+    fn kind(&self) -> Kind {
+        Kind::Set
+    }
+    fn max_dim(&self) -> usize {
+        LARGEST_PRIME as usize + 1
+    }
+    fn scrambles(&self) -> &'static [Scramble] {
+        &[Scramble::None, Scramble::TorusShift]
+    }
+    fn is_randomised(&self, _scramble: Scramble) -> bool {
+        true
+    }
+    fn admits(&self, n: u64, dim: usize, _rectangular: bool) -> bool {
+        let p = root_floor(n, 2);
+        p * p == n && p <= LARGEST_PRIME && p + 1 >= dim as u64 && is_prime(p)
+    }
+    fn neighbours(&self, n: u64, dim: usize) -> (Option<u64>, Option<u64>) {
+        let smallest = (dim as u64).max(3) - 1;
+        let root = root_floor(n, 2).min(LARGEST_PRIME);
+        let below = (smallest..=root).rev().find(|p| is_prime(*p));
+        let above = (smallest.max(root + 1)..=LARGEST_PRIME).find(|p| is_prime(*p));
+        (below.map(|p| p * p), above.map(|p| p * p))
+    }
+    fn construct(&self, set: &PointSet) -> Box<dyn Points> {
+        let stream = set.key.stream();
+        let p = root_floor(set.key.n_samples, 2);
+        let permutations = |axis: usize| {
+            let key = splitmix(stream.scramble_bits(), axis as u64);
+            [0, 1].map(|which| Permutation::new(p, splitmix(key, which)))
+        };
+        Box::new(ArrayPoints {
+            p,
+            permutations: (0..set.dim).map(permutations).collect(),
+            offsets: UniformPoints { stream, dim: set.dim },
+        })
+    }
+}
+
+fn is_prime(n: u64) -> bool {
+    n >= 2 && (2..).take_while(|k| k * k <= n).all(|k| !n.is_multiple_of(k))
+}
+
+struct ArrayPoints {
+    p: u64,
+    /// For each axis: of its strata, and of the slabs within a stratum.
+    permutations: Vec<[Permutation; 2]>,
+    offsets: UniformPoints,
+}
+
+impl Points for ArrayPoints {
+    fn fill(&self, first: u64, points: &mut [f64]) {
+        self.offsets.fill(first, points);
+        let p = self.p;
+        let n = (p * p) as f64;
+        let (mut row, mut column) = (first / p, first % p);
+        for point in points.chunks_exact_mut(self.offsets.dim) {
+            // Bose's array over the integers modulo p: any two of its columns take every pair
+            // of values once.
+            let symbol = |axis: u64| match axis {
+                0 => row,
+                1 => column,
+                _ => (row + (axis - 1) * column) % p,
+            };
+            for (axis, (x, [strata, slabs])) in (0..).zip(point.iter_mut().zip(&self.permutations))
+            {
+                // Another column numbers the p points of a stratum (Jarosz et al. 2019,
+                // section 4).
+                let other = match axis {
+                    _ if axis % 2 == 1 => axis - 1,
+                    _ if axis < p => axis + 1,
+                    _ => 0,
+                };
+                let slab = strata.get(symbol(axis)) * p + slabs.get(symbol(other));
+                *x = ((slab as f64 + *x) / n).min(BELOW_ONE);
+            }
+            column += 1;
+            if column == p {
+                (row, column) = (row + 1, 0);
+            }
+        }
+    }
+}

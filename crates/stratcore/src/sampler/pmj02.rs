@@ -1,0 +1,70 @@
+//! Progressive multi-jittered (0,2)-sequences.
+
+use super::sobol::{Columns, DigitalPoints, MOST_POINTS, digital_neighbours};
+use super::{Kind, PointSet, Points, Sampler, Scramble};
+
+/// Progressive multi-jittered (0,2) points: every prefix of 2^m points is stratified in all
+/// elementary intervals.
+///
+/// Christensen, Kensler & Kilpatrick draw them by search. Helmer, Christensen & Kensler
+/// (*Stochastic Generation of (t,s) Sample Sequences*, 2021, and its supplement) found that
+/// they are the Owen scramblings of one digital sequence, whose matrices are the Stirling
+/// numbers of the first kind modulo 2; so they are drawn here.
+#[derive(Debug, Clone, Copy)]
+pub struct Pmj02;
+
+impl Sampler for Pmj02 {
+    fn name(&self) -> &'static str {
+        "pmj02"
+    }
+    fn summary(&self) -> &'static str {
+        "progressive multi-jittered (0,2)-sequence; best at N = 2^m"
+    }
+    fn source(&self) -> &'static str {
+        "Christensen, Kensler & Kilpatrick 2018; Helmer, Christensen & Kensler 2021"
+    }
+    fn stream_id(&self) -> u8 {
+        10
+    }
+    fn kind(&self) -> Kind {
+        Kind::Sequence
+    }
+    fn max_dim(&self) -> usize {
+        2
+    }
+    fn scrambles(&self) -> &'static [Scramble] {
+        &[Scramble::None, Scramble::TorusShift]
+    }
+    fn is_randomised(&self, _scramble: Scramble) -> bool {
+        true
+    }
+    fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
+        (1..=MOST_POINTS).contains(&n)
+    }
+    fn neighbours(&self, n: u64, _dim: usize) -> (Option<u64>, Option<u64>) {
+        digital_neighbours(n)
+    }
+    fn construct(&self, set: &PointSet) -> Box<dyn Points> {
+        // The scrambling is the construction itself.
+        let scrambled = PointSet { scramble: Scramble::Owen, ..*set };
+        Box::new(DigitalPoints::new(&MATRICES[..set.dim], &scrambled))
+    }
+}
+
+const MATRICES: [Columns; 2] = [stirling_columns(0), stirling_columns(1)];
+
+/// Column c has s(c + offset, k + offset) modulo 2 as digit k.
+const fn stirling_columns(offset: usize) -> Columns {
+    let mut columns = [0; 32];
+    // Bit k is s(n, k) modulo 2; s(n + 1, k) = s(n, k - 1) + n s(n, k).
+    let mut row = 1u64;
+    let mut n = 0;
+    while n < 32 + offset {
+        if n >= offset {
+            columns[n - offset] = ((row >> offset) as u32).reverse_bits();
+        }
+        row = row << 1 ^ if n % 2 == 1 { row } else { 0 };
+        n += 1;
+    }
+    columns
+}

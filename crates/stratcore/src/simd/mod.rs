@@ -1,0 +1,217 @@
+//! Vector instructions, chosen at run time: the only module with `unsafe`.
+//!
+//! [`kernel`] holds the loops, on plain arrays. Here they are compiled once for each
+//! instruction set and once without any: that plain twin is what tests compare with, and what
+//! runs on a machine that has none of the others. All give the same bits.
+
+#![expect(unsafe_code, reason = "calling a function compiled for a CPU feature is unsafe")]
+
+mod cells;
+mod kernel;
+mod types;
+mod vector;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+use crate::rng::Stream;
+
+pub(crate) use cells::Cells;
+pub(crate) use kernel::Placement;
+pub(crate) use types::{
+    Entry, Exact, Facet32, Ground, Lanes4, Pixel32, Rect, Shading, Strata, Work,
+};
+
+/// An instruction set that this machine runs and for which the loops were compiled.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Isa(Kind);
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Baseline,
+    #[cfg(target_arch = "x86_64")]
+    Avx2,
+    #[cfg(target_arch = "x86_64")]
+    Avx512,
+}
+
+impl Isa {
+    /// What the target has without asking: NEON on 64-bit ARM, SSE2 on x86-64.
+    pub const BASELINE: Self = Self(Kind::Baseline);
+
+    /// The best of this machine.
+    pub fn detect() -> Self {
+        Self::available().last().copied().unwrap_or(Self::BASELINE)
+    }
+
+    /// Those that this machine runs, the plain twin first and the best last.
+    pub fn available() -> Vec<Self> {
+        #[allow(unused_mut, reason = "other targets have the baseline alone")]
+        let mut found = vec![Self::BASELINE];
+        #[cfg(target_arch = "x86_64")]
+        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+            found.push(Self(Kind::Avx2));
+            if is_x86_feature_detected!("avx512f")
+                && is_x86_feature_detected!("avx512vl")
+                && is_x86_feature_detected!("avx512dq")
+            {
+                found.push(Self(Kind::Avx512));
+            }
+        }
+        found
+    }
+
+    /// For reports: "avx2".
+    pub fn name(self) -> &'static str {
+        match self.0 {
+            Kind::Baseline => "baseline",
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2 => "avx2",
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512 => "avx512",
+        }
+    }
+}
+
+/// Calls a kernel, for one vector, with the shader of the pixel.
+macro_rules! shaded {
+    ($vector:ty, $kernel:ident($pixel:expr $(, $argument:expr)*)) => {
+        match $pixel.ground.shading {
+            Shading::Polynomial => kernel::$kernel::<Polynomial, $vector>($pixel $(, $argument)*),
+            Shading::WideHeadlight => {
+                kernel::$kernel::<WideHeadlight, $vector>($pixel $(, $argument)*)
+            }
+            Shading::Directional => kernel::$kernel::<Directional, $vector>($pixel $(, $argument)*),
+            Shading::Point => kernel::$kernel::<Point, $vector>($pixel $(, $argument)*),
+        }
+    };
+}
+
+/// Declares the kernels for one instruction set: the same bodies, `inline(always)`, under its
+/// target features and with its vector.
+macro_rules! compiled_for {
+    ($module:ident, $features:literal, $vector:ty) => {
+        mod $module {
+            use super::kernel::{self, Directional, Group, Point, Polynomial, WideHeadlight};
+            use super::vector::Vector;
+            use super::{Cells, Exact, Pixel32, Placement, Shading, Strata, Stream, Work};
+
+            type V = $vector;
+
+            #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
+            pub(super) fn strata_sums(
+                pixel: &Pixel32,
+                strata: &Strata,
+                streams: &[Stream],
+                sums: &mut [f64],
+                exact: Exact<'_>,
+            ) {
+                let mut groups: Vec<Group<V>> = streams.chunks(V::LANES).map(Group::new).collect();
+                let mut work = Work::default();
+                shaded!(V, strata_sums(pixel, strata, &mut groups, &mut work, exact));
+                for (sums, group) in sums.chunks_mut(V::LANES).zip(&groups) {
+                    sums.copy_from_slice(&V::sum_store(group.sum)[..sums.len()]);
+                }
+            }
+
+            #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
+            pub(super) fn scattered_sums(
+                pixel: &Pixel32,
+                cells: &Cells,
+                placement: &Placement<'_>,
+                streams: &[Stream],
+                sums: &mut [f64],
+                exact: Exact<'_>,
+            ) {
+                let mut groups: Vec<Group<V>> = streams.chunks(V::LANES).map(Group::new).collect();
+                let n_trials = streams.len();
+                shaded!(V, scattered_sums(pixel, cells, placement, &mut groups, n_trials, exact));
+                for (sums, group) in sums.chunks_mut(V::LANES).zip(&groups) {
+                    sums.copy_from_slice(&V::sum_store(group.sum)[..sums.len()]);
+                }
+            }
+
+            #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
+            pub(super) fn values_at(
+                pixel: &Pixel32,
+                cells: &Cells,
+                positions: [&[f32]; 2],
+                values: &mut [f32],
+                exact: Exact<'_>,
+            ) {
+                let mut order = vec![0; values.len()];
+                shaded!(V, values_at(pixel, cells, positions, values, &mut order, exact));
+            }
+
+            #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
+            pub(super) fn cells(pixel: &Pixel32, per_axis: u32) -> Cells {
+                shaded!(V, cells(pixel, per_axis))
+            }
+        }
+    };
+}
+
+compiled_for!(baseline, "sse2", crate::simd::vector::Plain);
+#[cfg(target_arch = "x86_64")]
+compiled_for!(avx2, "avx2,fma", crate::simd::x86::Avx2);
+#[cfg(target_arch = "x86_64")]
+compiled_for!(avx512, "avx512f,avx512vl,avx512dq,avx2,fma", crate::simd::x86::Avx512);
+
+/// Calls a kernel in the form compiled for an instruction set.
+macro_rules! dispatch {
+    ($isa:expr, $kernel:ident($($argument:expr),*)) => {
+        match $isa.0 {
+            // SAFETY: SSE2 is part of x86-64; elsewhere the function asks for no feature.
+            #[allow(unused_unsafe, reason = "safe to call where the feature is the target's own")]
+            Kind::Baseline => unsafe { baseline::$kernel($($argument),*) },
+            // SAFETY: `Kind::Avx2` is made by `Isa::available` alone, which saw the features.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx2 => unsafe { avx2::$kernel($($argument),*) },
+            // SAFETY: `Kind::Avx512` likewise.
+            #[cfg(target_arch = "x86_64")]
+            Kind::Avx512 => unsafe { avx512::$kernel($($argument),*) },
+        }
+    };
+}
+
+/// Overwrites `sums[t]` with the sum over the samples that trial t draws from `streams[t]`: one
+/// in each stratum.
+pub(crate) fn strata_sums(
+    isa: Isa,
+    pixel: &Pixel32,
+    strata: &Strata,
+    streams: &[Stream],
+    sums: &mut [f64],
+    exact: Exact<'_>,
+) {
+    dispatch!(isa, strata_sums(pixel, strata, streams, sums, exact));
+}
+
+/// The same for samples of any placement, found through the pixel's cells.
+pub(crate) fn scattered_sums(
+    isa: Isa,
+    pixel: &Pixel32,
+    cells: &Cells,
+    placement: &Placement<'_>,
+    streams: &[Stream],
+    sums: &mut [f64],
+    exact: Exact<'_>,
+) {
+    dispatch!(isa, scattered_sums(pixel, cells, placement, streams, sums, exact));
+}
+
+/// Overwrites `values` with those at positions (s, t) about the pixel's centre.
+pub(crate) fn values_at(
+    isa: Isa,
+    pixel: &Pixel32,
+    cells: &Cells,
+    positions: [&[f32]; 2],
+    values: &mut [f32],
+    exact: Exact<'_>,
+) {
+    dispatch!(isa, values_at(pixel, cells, positions, values, exact));
+}
+
+/// What fills each cell of a grid over the pixel.
+pub(crate) fn cells(isa: Isa, pixel: &Pixel32, per_axis: u32) -> Cells {
+    dispatch!(isa, cells(pixel, per_axis))
+}

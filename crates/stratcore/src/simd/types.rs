@@ -1,0 +1,175 @@
+//! What the kernels read and write, in f32 and in the order in which they want it.
+
+use super::vector::Extent;
+use std::ops::Range;
+
+/// Four affine functions of the position (s, t) in the pixel, side by side: three edges and
+/// the inverse depth of a facet, or the four conditions of an occluder.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Lanes4 {
+    pub c: [f32; 4],
+    pub s: [f32; 4],
+    pub t: [f32; 4],
+}
+
+/// A facet for the kernels.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Facet32 {
+    /// Three edges, inside where none is negative; 1/t.
+    pub lanes: Lanes4,
+    /// Rounding of 1/t anywhere in the pixel.
+    pub w_slack: f32,
+    /// Radiance as a polynomial c, s, t, ss, st, tt; under other shaders than the polynomial
+    /// one only c counts, the part that needs no light.
+    pub shade: [f32; 6],
+    /// What the light adds: an affine cosine, or a factor alone.
+    pub shade_gain: [f32; 3],
+    /// |l w - D|² for a point light at l.
+    pub to_light: [f32; 6],
+    /// The radiance is the same at every sample, but for shadows.
+    pub is_flat: bool,
+    /// Its occluders in [`Pixel32::occluders`].
+    pub occluders: Range<u32>,
+}
+
+impl Facet32 {
+    /// The value of a facet that is flat, or in shadow.
+    #[inline(always)]
+    pub(super) fn flat_value(&self, lit: bool) -> f32 {
+        self.shade[0] + if lit && self.is_flat { self.shade_gain[0] } else { 0.0 }
+    }
+}
+
+/// How radiance depends on the sample.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Shading {
+    Polynomial,
+    WideHeadlight,
+    Directional,
+    Point,
+}
+
+/// What the facets of a pixel share.
+#[derive(Debug, Clone)]
+pub(crate) struct Ground {
+    pub shading: Shading,
+    /// What is seen where no facet is: flat.
+    pub background: Facet32,
+    /// |D|² over the pixel.
+    pub length_squared: [f32; 6],
+}
+
+/// A pixel for the kernels. Radiance is relative to a ground value that the caller adds again,
+/// so that a smooth pixel keeps its small differences in f32.
+#[derive(Debug, Clone)]
+pub(crate) struct Pixel32 {
+    pub facets: Vec<Facet32>,
+    pub occluders: Vec<Lanes4>,
+    pub ground: Ground,
+}
+
+impl Pixel32 {
+    /// A facet, or the background.
+    #[inline(always)]
+    pub(super) fn facet(&self, facet: Option<u32>) -> &Facet32 {
+        facet.map_or(&self.ground.background, |id| &self.facets[id as usize])
+    }
+}
+
+/// A candidate facet, with a run of the work list's occluders.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Entry {
+    pub facet: u32,
+    pub occluders: [u32; 2],
+    /// Wholly in shadow here.
+    pub shadowed: bool,
+    /// No nearer than this anywhere in the rectangle.
+    pub(super) w_hi: f32,
+}
+
+impl Entry {
+    /// Wholly lit or wholly in shadow.
+    #[inline(always)]
+    pub(super) fn is_settled(&self) -> bool {
+        self.shadowed || self.occluders[0] == self.occluders[1]
+    }
+}
+
+/// A rectangle of strata, with the list of facets of the one that it is part of.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Rect {
+    pub i: [u32; 2],
+    pub j: [u32; 2],
+    pub entries: [u32; 2],
+    pub n_occluders: u32,
+}
+
+impl Rect {
+    #[inline(always)]
+    pub(super) fn is_single(&self) -> bool {
+        self.i[1] - self.i[0] == 1 && self.j[1] - self.j[0] == 1
+    }
+
+    /// Halves across the longer side.
+    #[inline(always)]
+    pub(super) fn halves(&self) -> [Self; 2] {
+        let (width, height) = (self.i[1] - self.i[0], self.j[1] - self.j[0]);
+        if width > height {
+            let middle = self.i[0] + width / 2;
+            [Self { i: [self.i[0], middle], ..*self }, Self { i: [middle, self.i[1]], ..*self }]
+        } else {
+            let middle = self.j[0] + height / 2;
+            [Self { j: [self.j[0], middle], ..*self }, Self { j: [middle, self.j[1]], ..*self }]
+        }
+    }
+}
+
+/// A grid of strata over the pixel.
+#[derive(Debug, Clone)]
+pub(crate) struct Strata {
+    pub per_axis: [u32; 2],
+    /// Width of a stratum over 2^24.
+    pub(super) step: [f32; 2],
+    /// Lower ends of the strata along each axis, about the pixel's centre; one more at the end.
+    bounds: [Vec<f32>; 2],
+}
+
+impl Strata {
+    pub fn new(per_axis: [u32; 2]) -> Self {
+        let bounds =
+            per_axis.map(|k| (0..=k).map(|i| (f64::from(i) / f64::from(k) - 0.5) as f32).collect());
+        let step = per_axis.map(|k| ((1.0 / f64::from(k)) * 2f64.powi(-24)) as f32);
+        Self { per_axis, step, bounds }
+    }
+
+    #[inline(always)]
+    pub(super) fn index(&self, i: u32, j: u32) -> u32 {
+        j * self.per_axis[0] + i
+    }
+
+    #[inline(always)]
+    pub(super) fn origin(&self, i: u32, j: u32) -> [f32; 2] {
+        [self.bounds[0][i as usize], self.bounds[1][j as usize]]
+    }
+
+    #[inline(always)]
+    pub(super) fn extent(&self, rect: &Rect) -> Extent {
+        let ends = |axis: usize, ends: [u32; 2]| ends.map(|end| self.bounds[axis][end as usize]);
+        let ([i0, i1], [j0, j1]) = (ends(0, rect.i), ends(1, rect.j));
+        Extent {
+            middle: [0.5 * (i0 + i1), 0.5 * (j0 + j1)],
+            half: [0.5 * (i1 - i0), 0.5 * (j1 - j0)],
+        }
+    }
+}
+
+/// Settles a doubtful sample at (s, t) in f64, among the listed facets.
+pub(crate) type Exact<'a> = &'a dyn Fn(&[Entry], f64, f64) -> f64;
+
+/// Lists that the kernels keep while they work.
+#[derive(Default)]
+pub(crate) struct Work {
+    pub(super) entries: Vec<Entry>,
+    pub(super) occluders: Vec<u32>,
+    pub(super) stack: Vec<Rect>,
+}

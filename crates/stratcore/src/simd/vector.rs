@@ -1,0 +1,245 @@
+//! What the kernels ask of a vector, and the plain twin that asks no CPU for anything.
+
+use super::Lanes4;
+
+/// A vector of f32 lanes. Every operation is one IEEE operation per lane, or a fused
+/// multiply-add: all implementations give the same bits.
+pub(super) trait Vector: Copy {
+    /// Lanes, at most [`MAX_LANES`].
+    const LANES: usize;
+    /// As many u32 lanes.
+    type Int: Copy;
+    /// As many truth values.
+    type Mask: Copy;
+    /// As many f64 lanes.
+    type Sum: Copy;
+
+    /// The four functions' values on a rectangle, middle ± radius.
+    fn range(functions: &Lanes4, rect: &Extent) -> Range4;
+
+    fn splat(x: f32) -> Self;
+    fn add(self, other: Self) -> Self;
+    fn sub(self, other: Self) -> Self;
+    fn mul(self, other: Self) -> Self;
+    fn div(self, other: Self) -> Self;
+    fn min(self, other: Self) -> Self;
+    fn abs(self) -> Self;
+    fn sqrt(self) -> Self;
+    /// self · factor + addend, rounded once.
+    fn mul_add(self, factor: Self, addend: Self) -> Self;
+    fn ge(self, other: Self) -> Self::Mask;
+    fn gt(self, other: Self) -> Self::Mask;
+    fn le(self, other: Self) -> Self::Mask;
+    /// `yes` where the mask is set.
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// Reads LANES values.
+    fn load(values: &[f32]) -> Self;
+    /// The first LANES values are the vector's.
+    fn store(self) -> [f32; MAX_LANES];
+
+    fn mask_none() -> Self::Mask;
+    fn mask_all() -> Self::Mask;
+    fn mask_and(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    fn mask_or(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// a and not b.
+    fn mask_without(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// Bit l is lane l's.
+    fn mask_bits(mask: Self::Mask) -> u32;
+
+    fn int_splat(x: u32) -> Self::Int;
+    /// Reads LANES values.
+    fn int_load(values: &[u32]) -> Self::Int;
+    fn int_add(a: Self::Int, b: Self::Int) -> Self::Int;
+    fn int_mul(a: Self::Int, b: Self::Int) -> Self::Int;
+    /// x ^ (x >> 16)
+    fn int_xorshift16(x: Self::Int) -> Self::Int;
+    /// The upper 24 bits as a number in 0 ..= 2^24 - 1.
+    fn upper24(x: Self::Int) -> Self;
+
+    fn sum_zero() -> Self::Sum;
+    fn sum_add(sum: Self::Sum, x: Self) -> Self::Sum;
+    fn sum_add_all(sum: Self::Sum, x: f64) -> Self::Sum;
+    /// The first LANES values are the sum's.
+    fn sum_store(sum: Self::Sum) -> [f64; MAX_LANES];
+}
+
+/// A rectangle of the pixel: its middle, and half its width and height.
+#[derive(Clone, Copy)]
+pub(super) struct Extent {
+    pub middle: [f32; 2],
+    pub half: [f32; 2],
+}
+
+/// What four functions do on a rectangle.
+#[derive(Clone, Copy)]
+pub(super) struct Range4 {
+    /// Bit l: function l is below -[`CULL_SLACK`] everywhere.
+    pub below: u32,
+    /// Bit l: function l is above [`CULL_SLACK`] everywhere.
+    pub above: u32,
+    /// Least and greatest value of the last function.
+    pub last: [f32; 2],
+}
+
+/// Slack of every decision about a whole rectangle: four times the rounding of a function
+/// whose largest coefficient is 1.
+pub(super) const CULL_SLACK: f32 = 1e-6;
+
+/// The widest vector there is.
+pub(super) const MAX_LANES: usize = 16;
+
+/// Eight lanes as a plain array.
+#[derive(Clone, Copy)]
+pub(super) struct Plain([f32; 8]);
+
+#[inline(always)]
+fn each<A: Copy, B: Copy, C>(a: [A; 8], b: [B; 8], f: impl Fn(A, B) -> C) -> [C; 8] {
+    std::array::from_fn(|l| f(a[l], b[l]))
+}
+
+impl Vector for Plain {
+    const LANES: usize = 8;
+    type Int = [u32; 8];
+    type Mask = [bool; 8];
+    type Sum = [f64; 8];
+
+    #[inline(always)]
+    fn range(functions: &Lanes4, rect: &Extent) -> Range4 {
+        let Lanes4 { c, s, t } = functions;
+        let ([x, y], [rx, ry]) = (rect.middle, rect.half);
+        let mut out = Range4 { below: 0, above: 0, last: [0.0; 2] };
+        for l in 0..4 {
+            let middle = s[l].mul_add(x, t[l].mul_add(y, c[l]));
+            let radius = s[l].abs().mul_add(rx, t[l].abs() * ry);
+            out.last = [middle - radius, middle + radius];
+            out.above |= u32::from(out.last[0] > CULL_SLACK) << l;
+            out.below |= u32::from(out.last[1] < -CULL_SLACK) << l;
+        }
+        out
+    }
+    #[inline(always)]
+    fn splat(x: f32) -> Self {
+        Self([x; 8])
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self(each(self.0, other.0, |a, b| a + b))
+    }
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self(each(self.0, other.0, |a, b| a - b))
+    }
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self(each(self.0, other.0, |a, b| a * b))
+    }
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        Self(each(self.0, other.0, |a, b| a / b))
+    }
+    #[inline(always)]
+    fn min(self, other: Self) -> Self {
+        // As x86 does it: the second where they compare equal or are unordered.
+        Self(each(self.0, other.0, |a, b| if a < b { a } else { b }))
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Self(self.0.map(f32::abs))
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self(self.0.map(f32::sqrt))
+    }
+    #[inline(always)]
+    fn mul_add(self, factor: Self, addend: Self) -> Self {
+        Self(std::array::from_fn(|l| self.0[l].mul_add(factor.0[l], addend.0[l])))
+    }
+    #[inline(always)]
+    fn ge(self, other: Self) -> Self::Mask {
+        each(self.0, other.0, |a, b| a >= b)
+    }
+    #[inline(always)]
+    fn gt(self, other: Self) -> Self::Mask {
+        each(self.0, other.0, |a, b| a > b)
+    }
+    #[inline(always)]
+    fn le(self, other: Self) -> Self::Mask {
+        each(self.0, other.0, |a, b| a <= b)
+    }
+    #[inline(always)]
+    fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
+        Self(std::array::from_fn(|l| if mask[l] { yes.0[l] } else { no.0[l] }))
+    }
+    #[inline(always)]
+    fn load(values: &[f32]) -> Self {
+        Self(std::array::from_fn(|l| values[l]))
+    }
+    #[inline(always)]
+    fn store(self) -> [f32; MAX_LANES] {
+        std::array::from_fn(|l| if l < 8 { self.0[l] } else { 0.0 })
+    }
+    #[inline(always)]
+    fn mask_none() -> Self::Mask {
+        [false; 8]
+    }
+    #[inline(always)]
+    fn mask_all() -> Self::Mask {
+        [true; 8]
+    }
+    #[inline(always)]
+    fn mask_and(a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        each(a, b, |a, b| a & b)
+    }
+    #[inline(always)]
+    fn mask_or(a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        each(a, b, |a, b| a | b)
+    }
+    #[inline(always)]
+    fn mask_without(a: Self::Mask, b: Self::Mask) -> Self::Mask {
+        each(a, b, |a, b| a & !b)
+    }
+    #[inline(always)]
+    fn mask_bits(mask: Self::Mask) -> u32 {
+        (0..8).map(|l| u32::from(mask[l]) << l).sum()
+    }
+    #[inline(always)]
+    fn int_splat(x: u32) -> Self::Int {
+        [x; 8]
+    }
+    #[inline(always)]
+    fn int_load(values: &[u32]) -> Self::Int {
+        std::array::from_fn(|l| values[l])
+    }
+    #[inline(always)]
+    fn int_add(a: Self::Int, b: Self::Int) -> Self::Int {
+        each(a, b, u32::wrapping_add)
+    }
+    #[inline(always)]
+    fn int_mul(a: Self::Int, b: Self::Int) -> Self::Int {
+        each(a, b, u32::wrapping_mul)
+    }
+    #[inline(always)]
+    fn int_xorshift16(x: Self::Int) -> Self::Int {
+        x.map(|x| x ^ (x >> 16))
+    }
+    #[inline(always)]
+    fn upper24(x: Self::Int) -> Self {
+        Self(x.map(|x| (x >> 8) as f32))
+    }
+    #[inline(always)]
+    fn sum_zero() -> Self::Sum {
+        [0.0; 8]
+    }
+    #[inline(always)]
+    fn sum_add(sum: Self::Sum, x: Self) -> Self::Sum {
+        each(sum, x.0, |sum, x| sum + f64::from(x))
+    }
+    #[inline(always)]
+    fn sum_add_all(sum: Self::Sum, x: f64) -> Self::Sum {
+        sum.map(|sum| sum + x)
+    }
+    #[inline(always)]
+    fn sum_store(sum: Self::Sum) -> [f64; MAX_LANES] {
+        std::array::from_fn(|l| if l < 8 { sum[l] } else { 0.0 })
+    }
+}
