@@ -18,7 +18,7 @@ pub fn verdicts(summary: &Summary) -> Vec<Verdict> {
             paper: format!("{:.2}", close_up.paper),
             ours: with_error(close_up.exponent, close_up.std_error),
             verdict: format!(
-                "no test: the nearest of {} candidates, {:+.2} away",
+                "no test: the nearest by rule among {}, {:+.2} away",
                 close_up.candidates, gap
             ),
             holds: None,
