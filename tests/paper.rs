@@ -246,6 +246,57 @@ fn reproduce_writes_every_figure_number_and_a_page_that_stands_alone() {
     assert_eq!(files(&out), 3);
 }
 
+#[test]
+fn a_study_is_drawn_to_the_kind_of_file_that_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let draw = |name: &str| {
+        let path = folder.path().join(name);
+        let arguments = ["integrand", "ramp", "--counts", "1..4^2", "--quiet", "--plot"];
+        let run = Command::new(env!("CARGO_BIN_EXE_stratcli")).args(arguments).arg(&path).output();
+        (run.unwrap(), std::fs::read(path).unwrap_or_default())
+    };
+    let (run, svg) = draw("ramp.svg");
+    assert!(run.status.success());
+    assert!(String::from_utf8(svg).unwrap().contains("jittered p = "));
+    let (run, png) = draw("ramp.PNG");
+    assert!(run.status.success());
+    assert!(png.starts_with(b"\x89PNG"));
+    for name in ["ramp.pdf", "ramp", "absent/ramp.svg"] {
+        let (run, _) = draw(name);
+        let stderr = String::from_utf8(run.stderr).unwrap();
+        assert_eq!(run.status.code(), Some(2), "{stderr}");
+        assert!(stderr.contains(name) && stderr.lines().count() == 1, "{stderr}");
+    }
+    assert_eq!(files(folder.path()), 2);
+}
+
+/// Interrupted once the first figure is there: that figure stays, in a page that says what it
+/// is. A million repeats of the form factor take hours on any machine.
+#[cfg(unix)]
+#[test]
+fn what_was_finished_before_an_interrupt_is_kept() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_stratcli"))
+        .args(["reproduce", "--repeats", "1000000", "--out"])
+        .arg(folder.path())
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let figure = folder.path().join("figures/fig1-picture.png");
+    while !figure.exists() && child.try_wait().unwrap().is_none() {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let page = std::fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(page.contains("is not complete") && page.contains("id=\"fig1-picture\""));
+    let summary = std::fs::read(folder.path().join("summary.json")).unwrap();
+    let summary: Value = serde_json::from_slice(&summary).unwrap();
+    assert_eq!(summary["complete"], false);
+    assert!(summary["pixels"].is_null());
+}
+
 fn files(folder: &Path) -> usize {
     std::fs::read_dir(folder).unwrap().count()
 }

@@ -50,7 +50,7 @@ fn png([width, height]: [u32; 2], rgb: &[Rgb]) -> Result<Vec<u8>> {
 }
 
 /// The transfer curve of IEC 61966-2-1 (sRGB), rounded to 8 bits.
-fn srgb_byte(linear: f64) -> u8 {
+pub fn srgb_byte(linear: f64) -> u8 {
     let x = linear.clamp(0.0, 1.0);
     let encoded = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
     (encoded * 255.0).round() as u8

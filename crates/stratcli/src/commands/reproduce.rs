@@ -23,7 +23,7 @@ use form_factor::SIDE;
 use output::Report;
 use stratcore::StudyError;
 use stratcore::integrand::Integrand as _;
-use stratcore::scene::{self, Channel};
+use stratcore::scene::Channel;
 use stratcore::study::{StudyPlan, render};
 use stratcore::trace::TracedScene;
 
@@ -37,7 +37,7 @@ const REPEATS: u32 = 150;
 const PICTURE_SPP: u64 = 16;
 
 pub fn run(args: &ReproduceArgs, common: &Common) -> Result<Outcome> {
-    let scene = TracedScene::new(scene::load(&args.scene)?);
+    let scene = TracedScene::new(super::load(&args.scene, common)?);
     let plan = StudyPlan { seed: common.seed, ..StudyPlan::paper() };
     plan.counts_used(scene.pixel([0, 0], Channel::Luminance).dim())?;
     let mut report = Report::create(&args.out, blank_summary(args, &scene, &plan))?;

@@ -92,6 +92,12 @@ fn span(counts: &[u64]) -> String {
     }
 }
 
+/// Negative numbers with a true minus.
+fn signs(text: &str) -> String {
+    let minus = |digit: char| (format!("-{digit}"), format!("\u{2212}{digit}"));
+    ('0'..='9').map(minus).fold(text.to_owned(), |text, (from, to)| text.replace(&from, &to))
+}
+
 /// A table in its frame; columns after the first `words` hold numbers.
 fn table(words: usize, head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> Markup {
     let class = |i: usize| if i < words { "" } else { "number" };
@@ -99,7 +105,7 @@ fn table(words: usize, head: &[&str], rows: impl Iterator<Item = Vec<String>>) -
         thead { tr { @for (i, cell) in head.iter().enumerate() { th class=(class(i)) { (cell) } } } }
         tbody { @for row in rows { tr {
             @for (i, cell) in row.iter().enumerate() {
-                td class=(class(i)) { (cell.replace('-', "\u{2212}")) }
+                td class=(class(i)) { (signs(cell)) }
             }
         } } }
     } } }
@@ -109,9 +115,9 @@ fn verdicts(summary: &Summary) -> Markup {
     html! { .table { table {
         thead { tr { th { "What" } th { "Paper" } th { "Ours" } th { "Verdict" } } }
         tbody { @for v in &summary.verdicts { tr {
-            td { (v.what) } td { (v.paper) } td { (v.ours) }
+            td { (v.what) } td.whole { (v.paper) } td { (signs(&v.ours)) }
             td class=(match v.holds { Some(true) => "holds", Some(false) => "fails", None => "open" }) {
-                (v.verdict)
+                (signs(&v.verdict))
             }
         } } }
     } } }

@@ -69,7 +69,7 @@ pub fn map(title: &str, photo: Raster, size: [u32; 2], cells: &[Cell]) -> Svg {
     svg.text([bar.x + bar.w + 9.0, bar.y + bar.h * 0.25 + 4.0], plain(SMALL + 1.0, INK), "p");
     let key = right.y + right.h + 24.0;
     for (i, (grey, words)) in
-        [("#d8d8d8", "exact: one colour"), ("#ffffff", "zero variance at some N")]
+        [("#d8d8d8", "exact: one colour"), ("#ffffff", "zero variance at some N, or unfinished")]
             .iter()
             .enumerate()
     {

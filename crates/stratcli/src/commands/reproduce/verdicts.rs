@@ -18,7 +18,7 @@ pub fn verdicts(summary: &Summary) -> Vec<Verdict> {
             paper: format!("{:.2}", close_up.paper),
             ours: with_error(close_up.exponent, close_up.std_error),
             verdict: format!(
-                "no test: the nearest of {} candidates, {:+.2} away",
+                "no test: the nearest by rule among {}, {:+.2} away",
                 close_up.candidates, gap
             ),
             holds: None,
@@ -146,7 +146,7 @@ fn closing_claims(claims: &Claims) -> Vec<Verdict> {
     ));
     for gain in &claims.gains {
         let Some((&n, (&[low, median, high], &factor))) =
-            gain.n.iter().zip(gain.quartiles.iter().zip(&gain.paper)).last()
+            gain.n.iter().zip(gain.quartiles.iter().zip(&gain.paper)).next_back()
         else {
             continue;
         };
