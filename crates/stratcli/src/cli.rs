@@ -59,7 +59,7 @@ pub struct ReproduceArgs {
     /// Folder for report.html, summary.json and figures/
     #[arg(long, value_name = "DIR", default_value = "out/reproduce")]
     pub out: PathBuf,
-    /// Study a lattice of 32 × 32 pixels, not every pixel, and repeat the form factor less often
+    /// Study a lattice of 28 × 28 pixels, not every pixel, and repeat the form factor less often
     #[arg(long)]
     pub quick: bool,
     /// Study a lattice of L × L pixels, evenly over the picture

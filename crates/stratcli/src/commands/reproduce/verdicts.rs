@@ -140,7 +140,10 @@ fn closing_claims(claims: &Claims) -> Vec<Verdict> {
         ),
         beyond.looks_worse as f64 <= expected + 3.0 * expected.sqrt() && confirmed == 0,
         [
-            format!("no more than chance; of {again} measured again none is worse"),
+            match again {
+                0 => "no more than chance".to_owned(),
+                _ => format!("no more than chance; of {again} measured again none is worse"),
+            },
             format!("more than chance, or worse when measured again: {confirmed} of {again}"),
         ],
     ));
