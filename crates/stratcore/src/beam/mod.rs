@@ -11,4 +11,7 @@ mod pixel;
 mod shade;
 mod shadow;
 
+#[cfg(test)]
+mod tests;
+
 pub use pixel::PixelBeam;

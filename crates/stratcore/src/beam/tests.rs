@@ -1,0 +1,256 @@
+use super::PixelBeam;
+use crate::integrand::Integrand;
+use crate::rng::StreamKey;
+use crate::sampler::{Jittered, PointSet, Random, Sampler, Scramble};
+use crate::scene::{self, Channel, Light, Material, Mesh, Scene};
+use crate::simd::Isa;
+use crate::study::{Control, StudyPlan, study};
+use crate::trace::{TracedScene, Tracer};
+use glam::DVec3;
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+/// A scene whose radiance tells which triangle was hit: triangle i emits i + 1.
+fn labelled(triangles: &[[DVec3; 3]], resolution: [u32; 2], fov_y: f64) -> TracedScene {
+    let mut scene = scene::load("edges").unwrap();
+    scene.camera.eye = DVec3::new(0.3, -0.2, 0.1);
+    scene.camera.look_at = scene.camera.eye + DVec3::new(0.1, 0.05, 1.0);
+    scene.camera.fov_y = fov_y;
+    scene.camera.resolution = resolution;
+    scene.light = Light::Headlight;
+    scene.ambient = [0.0; 3];
+    scene.background = [0.0; 3];
+    relabel(scene, triangles)
+}
+
+fn relabel(mut scene: Scene, triangles: &[[DVec3; 3]]) -> TracedScene {
+    let n = triangles.len() as u32;
+    scene.mesh = Mesh {
+        positions: triangles.iter().flatten().copied().collect(),
+        triangles: (0..n).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+        materials: (0..n).collect(),
+        corner_normals: None,
+    };
+    scene.materials = (0..n)
+        .map(|i| Material { name: String::new(), kd: [0.0; 3], ke: [f64::from(i + 1); 3] })
+        .collect();
+    TracedScene::new(scene)
+}
+
+/// Triangles of every kind around the view axis: large and small, needles, some through the
+/// plane of the eye, some degenerate, some twice, some coplanar.
+fn soup(seed: u64, n: usize) -> Vec<[DVec3; 3]> {
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
+    let mut point = |spread: f64, depth: [f64; 2]| {
+        let z: f64 = rng.random_range(depth[0]..depth[1]);
+        let mut lateral = || rng.random_range(-spread..spread) * z.abs().max(0.5);
+        let (x, y) = (lateral(), lateral());
+        DVec3::new(x, y, z)
+    };
+    let mut triangles: Vec<[DVec3; 3]> = Vec::new();
+    for i in 0..n {
+        let centre = point(0.3, [1.0, 20.0]);
+        triangles.push(match i % 8 {
+            0..=2 => [centre, centre + point(0.2, [-0.3, 0.3]), centre + point(0.2, [-0.3, 0.3])],
+            3 => [0; 3].map(|_| point(2.0, [-5.0, 15.0])),
+            4 => {
+                let along = point(1.0, [-1.0, 1.0]);
+                [centre, centre + along, centre + along * 0.5 + point(1e-7, [-1e-7, 1e-7])]
+            }
+            5 => [centre, centre, centre + point(0.5, [-0.5, 0.5])],
+            6 => *triangles.last().unwrap(),
+            _ => {
+                let flat = |p: DVec3| DVec3::new(p.x, p.y, 7.0);
+                [0; 3].map(|_| flat(point(0.3, [7.0, 7.5])))
+            }
+        });
+    }
+    triangles
+}
+
+/// Random positions that f32 represents about the pixel's centre, as the kernels place them.
+fn positions(seed: u64, n: usize) -> Vec<f64> {
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
+    (0..2 * n).map(|_| f64::from(rng.random_range(-0.5f32..0.5)) + 0.5).collect()
+}
+
+/// Positions on both sides of edges, as close as f32 goes: pairs that see different triangles
+/// are bisected.
+fn positions_at_edges(beam: &PixelBeam, seed: u64, n: usize) -> Vec<f64> {
+    let round = |x: f64| f64::from((x - 0.5) as f32) + 0.5;
+    let label = |p: [f64; 2]| beam.exact_sample(p[0], p[1]).0;
+    let mut found = Vec::new();
+    for pair in positions(seed, n).chunks_exact(4) {
+        let (mut a, mut b) = ([pair[0], pair[1]], [pair[2], pair[3]]);
+        if label(a) == label(b) {
+            continue;
+        }
+        for _ in 0..24 {
+            let middle = [0, 1].map(|axis| round(0.5 * (a[axis] + b[axis])));
+            if label(middle) == label(a) { a = middle } else { b = middle }
+        }
+        found.extend([a, b].concat());
+    }
+    found
+}
+
+/// Every sample against a loop over all triangles in f64. A different triangle is excused only
+/// where moving the sample by 1e-9 pixel gives it to the loop as well, or where both lie at the
+/// same depth to 1e-12. Returns the number of excused samples.
+fn mismatches(traced: &TracedScene, pixel: [u32; 2], points: &[f64]) -> usize {
+    let scene = traced.scene();
+    let frame = scene.camera.pixel(pixel);
+    let beam = PixelBeam::new(scene, traced.accel().bvh(), pixel, Channel::R).unwrap();
+    let mut values = vec![0.0; points.len() / 2];
+    beam.eval_block(points, &mut values);
+    let label = |u: f64, v: f64| traced.brute_force_hit(scene.camera.eye, frame.direction(u, v));
+    let mut excused = 0;
+    for (point, &value) in points.chunks(2).zip(&values) {
+        let (u, v) = (point[0], point[1]);
+        let hit = label(u, v);
+        let expected = hit.map_or(0.0, |hit| f64::from(hit.triangle + 1));
+        if value == expected {
+            continue;
+        }
+        excused += 1;
+        let step = 1e-9;
+        let moved = [(-step, 0.0), (step, 0.0), (0.0, -step), (0.0, step)].iter().any(|(a, b)| {
+            label(u + a, v + b).map_or(0.0, |hit| f64::from(hit.triangle + 1)) == value
+        });
+        let level = hit.is_some_and(|hit| {
+            let other = scene.mesh.corners((value - 1.0).max(0.0) as usize);
+            let ray =
+                crate::trace::Ray { origin: scene.camera.eye, direction: frame.direction(u, v) };
+            ray.meets(other).is_some_and(|c| (c.inverse_t * hit.t - 1.0).abs() < 1e-12)
+        });
+        assert!(moved || level, "pixel {pixel:?} at {u}, {v}: {value}, loop says {expected}");
+    }
+    excused
+}
+
+#[test]
+fn every_sample_sees_what_a_loop_over_all_triangles_sees() {
+    let mut samples = 0;
+    let mut excused = 0;
+    for (seed, fov_y) in [(1, 40.0), (2, 5.0), (3, 110.0), (4, 0.01)] {
+        let traced = labelled(&soup(seed, 160), [8, 6], fov_y);
+        for y in 0..6 {
+            for x in 0..8 {
+                let (bvh, seed) = (traced.accel().bvh(), seed * 1000 + u64::from(y * 8 + x));
+                let beam = PixelBeam::new(traced.scene(), bvh, [x, y], Channel::R).unwrap();
+                let mut points = positions(seed, 300);
+                points.extend(positions_at_edges(&beam, seed, 200));
+                samples += points.len() / 2;
+                excused += mismatches(&traced, [x, y], &points);
+            }
+        }
+    }
+    // Coincident and coplanar triangles tie; nothing else may.
+    assert!(excused < samples / 100, "{excused} of {samples}");
+}
+
+#[test]
+fn a_shared_edge_leaks_no_sample() {
+    // A fan of thin triangles around a point inside the pixel, lit from behind by nothing: any
+    // sample that falls through a crack sees the background's 0.
+    let centre = DVec3::new(0.35, -0.17, 3.0);
+    let corner = |i: u32| {
+        let angle = f64::from(i % 97) / 97.0 * std::f64::consts::TAU;
+        centre + DVec3::new(5.0 * angle.cos(), 5.0 * angle.sin(), 0.3 * (3.0 * angle).sin())
+    };
+    let fan: Vec<_> = (0..97).map(|i| [centre, corner(i), corner(i + 1)]).collect();
+    let traced = labelled(&fan, [4, 4], 30.0);
+    for pixel in 0..16 {
+        let (bvh, at) = (traced.accel().bvh(), [pixel % 4, pixel / 4]);
+        let beam = PixelBeam::new(traced.scene(), bvh, at, Channel::R).unwrap();
+        let points = positions(u64::from(pixel), 20_000);
+        let mut values = vec![0.0; 20_000];
+        beam.eval_block(&points, &mut values);
+        assert!(values.iter().all(|value| *value > 0.0), "pixel {at:?}");
+        // And rays straight at the edges.
+        for i in 0..97 {
+            for step in 0..20 {
+                let target = centre.lerp(corner(i), f64::from(step) / 20.0);
+                let [forward, right, up] = traced.scene().camera.frame();
+                let d = target - traced.scene().camera.eye;
+                let tan = 15f64.to_radians().tan();
+                let (x, y) =
+                    (d.dot(right) / d.dot(forward) / tan, d.dot(up) / d.dot(forward) / tan);
+                let (u, v) =
+                    ((x + 1.0) * 2.0 - f64::from(at[0]), (1.0 - y) * 2.0 - f64::from(at[1]));
+                if (0.0..1.0).contains(&u) && (0.0..1.0).contains(&v) {
+                    assert!(beam.exact_sample(u, v).0.is_some(), "{u}, {v}");
+                }
+            }
+        }
+    }
+}
+
+/// Jittered and random trial means of a few pixels by every instruction set, bit for bit.
+#[test]
+fn all_instruction_sets_give_the_same_bits() {
+    for fov_y in [20.0, 170.0] {
+        let mut scene = scene::load("classic").unwrap();
+        scene.camera.fov_y = fov_y;
+        let traced = TracedScene::new(scene);
+        for pixel in [[128, 75], [100, 120], [10, 10], [200, 160], [60, 83]] {
+            let means = |isa| {
+                let (scene, bvh) = (traced.scene(), traced.accel().bvh());
+                let beam = PixelBeam::new(scene, bvh, pixel, Channel::Luminance).unwrap();
+                let beam = beam.with_isa(isa);
+                let mut all = Vec::new();
+                for (sampler, n) in
+                    [(&Jittered as &dyn Sampler, 49), (&Jittered, 30), (&Random, 50)]
+                {
+                    let (sampler_id, seed) = (sampler.stream_id(), 5);
+                    let key =
+                        StreamKey { seed, pixel, sampler: sampler_id, n_samples: n, trial: 0 };
+                    let set = PointSet { key, dim: 2, scramble: Scramble::None, rectangular: true };
+                    let mut means = vec![0.0; 21];
+                    assert!(beam.trial_means(sampler, &set, 3, &mut means));
+                    all.extend(means);
+                }
+                all
+            };
+            let plain = means(Isa::BASELINE);
+            for isa in Isa::available() {
+                assert_eq!(means(isa), plain, "{} at {pixel:?}, fov {fov_y}", isa.name());
+            }
+        }
+    }
+}
+
+/// The beam draws the points that the samplers define, so its means are those of the rays to
+/// the rounding of f32 positions and values: 1e-6, but for a sample that crosses an edge.
+#[test]
+fn beam_and_rays_agree_trial_by_trial() {
+    let traced = TracedScene::new(scene::load("classic").unwrap());
+    let rays = TracedScene::new(scene::load("classic").unwrap()).with_tracer(Tracer::Bvh);
+    let plan = StudyPlan { n_trials: 16, counts: vec![1, 16, 144], ..StudyPlan::paper() };
+    let (mut rows, mut crossed) = (0, 0);
+    for y in (8..256).step_by(37) {
+        for x in (5..256).step_by(41) {
+            let results = [&traced, &rays].map(|scene| {
+                let integrand = scene.pixel([x, y], Channel::Luminance);
+                study(&integrand, [x, y], &plan, Control::unwatched()).unwrap()
+            });
+            let [a, b] = results.each_ref().map(|r| r.samplers.iter().flat_map(|s| &s.rows));
+            for (a, b) in a.zip(b) {
+                rows += 1;
+                crossed += usize::from((a.grand_mean - b.grand_mean).abs() > 1e-6);
+            }
+        }
+    }
+    // A row has up to 2,304 samples, each within 6e-8 of an edge once in some 10^6.
+    assert!(crossed <= 1 + rows / 100, "{crossed} of {rows}");
+}
+
+#[test]
+fn an_empty_picture_is_its_background() {
+    let traced = labelled(&[], [2, 2], 60.0);
+    let beam = PixelBeam::new(traced.scene(), traced.accel().bvh(), [0, 0], Channel::R).unwrap();
+    assert_eq!(beam.n_facets(), 0);
+    let plan = StudyPlan::paper();
+    let result = study(&beam, [0, 0], &plan, Control::unwatched()).unwrap();
+    assert!(result.samplers.iter().all(|sampler| sampler.exact));
+}
