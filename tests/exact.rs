@@ -40,7 +40,7 @@ fn exact_fit(f: &dyn Integrand, sampler: &str, counts: &[u64]) -> Fit {
         .iter()
         .map(|n| {
             let variance_of_mean = f.exact_variance(sampler, *n).unwrap();
-            (*n, Spread { grand_mean: 0.0, variance_of_mean, ci95: [0.0; 2], var_ln: 1.0 })
+            (*n, Spread { grand_mean: 0.0, variance_of_mean, var_ln: 1.0 })
         })
         .collect();
     fit(rows.iter().map(|(n, spread)| (*n, spread))).unwrap()

@@ -62,7 +62,7 @@ impl Facet {
             let plane = relative[p].cross(corner[q] - corner[p]);
             let function = Affine::dot(plane, centred);
             let magnitude = function.magnitude();
-            if !(magnitude > 0.0) {
+            if magnitude <= 0.0 || magnitude.is_nan() {
                 return None;
             }
             *edge = function.scaled(sign / magnitude);

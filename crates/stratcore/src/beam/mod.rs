@@ -1,7 +1,7 @@
 //! The fast path: all samples of a study lie in one pixel.
 //!
 //! Once per pixel, the triangles that can be seen in it are gathered from the BVH and set up in
-//! the pixel's own coordinates ([`facet`]); then many samples are evaluated at once against
+//! the pixel's own coordinates (`facet`); then many samples are evaluated at once against
 //! that short list ([`crate::simd`]), whose doubtful cases are settled in f64.
 
 mod affine;

@@ -1,6 +1,6 @@
 //! Vector instructions, chosen at run time: the only module with `unsafe`.
 //!
-//! [`kernel`] holds the loops, on plain arrays. Here they are compiled once for each
+//! `kernel` holds the loops, on plain arrays. Here they are compiled once for each
 //! instruction set and once without any: that plain twin is what tests compare with, and what
 //! runs on a machine that has none of the others. All give the same bits.
 
