@@ -67,11 +67,11 @@ struct Row<'a> {
 fn measure(scene: Scene, plan: &StudyPlan, rounds: u32) -> Result<()> {
     let name = scene.name.clone();
     let n_triangles = scene.mesh.triangles.len();
-    let start = Instant::now();
     let limit = TracedScene::new(covered_by_one_triangle(scene.clone()));
     let rays = TracedScene::new(scene.clone()).with_tracer(Tracer::Bvh);
+    let start = Instant::now();
     let scene = TracedScene::new(scene);
-    let build = start.elapsed() / 2;
+    let build = start.elapsed();
 
     let all = lattice(&scene.scene().camera, SIDE);
     let sparse = lattice(&scene.scene().camera, SPARSE_SIDE);
@@ -111,7 +111,7 @@ fn measure(scene: Scene, plan: &StudyPlan, rounds: u32) -> Result<()> {
             base => writeln!(out, "   {ratio:.3} of {}", described(&rows[base]))?,
         }
     }
-    by_list_length(&mut out, &scene, &all, plan)
+    by_list_length(&mut out, [&scene, &limit], &all, plan)
 }
 
 fn described(row: &Row) -> String {
@@ -147,23 +147,27 @@ fn time(row: &Row, plan: &StudyPlan) -> Result<Duration> {
     })
 }
 
-/// Time per sample, set-up included, of the pixels whose lists are about as long.
+/// Time per sample, set-up included, of the pixels whose lists are about as long, and of the
+/// median pixel beside the same pixel at the limit.
 fn by_list_length(
     out: &mut impl Write,
-    scene: &TracedScene,
+    [scene, limit]: [&TracedScene; 2],
     pixels: &[[u32; 2]],
     plan: &StudyPlan,
 ) -> Result<()> {
     let mut groups: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-    let n = n_samples(plan) as f64;
+    let mut at_limit = Vec::new();
+    let nanoseconds = |scene: &TracedScene, pixel| -> Result<f64> {
+        let start = Instant::now();
+        let integrand = scene.pixel(pixel, Channel::Luminance);
+        study(&integrand, pixel, plan, Control::unwatched())?;
+        Ok(start.elapsed().as_secs_f64() * 1e9 / n_samples(plan) as f64)
+    };
     with_threads(Some(1), || -> Result<()> {
         for &pixel in pixels {
             let Some(length) = list_length(scene, pixel) else { continue };
-            let start = Instant::now();
-            let integrand = scene.pixel(pixel, Channel::Luminance);
-            study(&integrand, pixel, plan, Control::unwatched())?;
-            let ns = start.elapsed().as_secs_f64() * 1e9 / n;
-            groups.entry(octave(length)).or_default().push(ns);
+            groups.entry(octave(length)).or_default().push(nanoseconds(scene, pixel)?);
+            at_limit.push(nanoseconds(limit, pixel)?);
         }
         Ok(())
     })?;
@@ -171,6 +175,7 @@ fn by_list_length(
         writeln!(out, "traced by rays: the beam does not serve this scene")?;
         return Ok(());
     }
+    let every: Vec<f64> = groups.values().flatten().copied().collect();
     writeln!(out, "{:>14} {:>7} {:>12}", "list length", "pixels", "ns/sample")?;
     for (octave, times) in groups {
         let lengths = lengths(octave);
@@ -178,6 +183,8 @@ fn by_list_length(
         let pixels = times.len();
         writeln!(out, "{lengths:>14} {pixels:7} {:12.2}", median(times))?;
     }
+    writeln!(out, "{:>14} {:7} {:12.2}", "median of all", every.len(), median(every))?;
+    writeln!(out, "{:>14} {:7} {:12.2}", "limit", at_limit.len(), median(at_limit))?;
     Ok(())
 }
 
