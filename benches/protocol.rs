@@ -1,0 +1,207 @@
+//! The paper's whole protocol over pictures: samples per second by beam and by rays, on one
+//! thread and on two, and the cost of a sample by the length of the pixel's list.
+//!
+//! Rows are measured in turn, round after round, so that a machine that slows down slows all
+//! of them: medians of ratios within a round mean more than the rates.
+
+mod common;
+
+use anyhow::{Context, Result};
+use clap::Parser;
+use common::{lattice, n_samples, protocol};
+use std::collections::BTreeMap;
+use std::io::{Write, stdout};
+use std::ops::RangeInclusive;
+use std::time::{Duration, Instant};
+use stratcore::beam::PixelBeam;
+use stratcore::scene::{Channel, Mesh, Scene, load};
+use stratcore::simd::Isa;
+use stratcore::study::{Control, SamplerChoice, StudyPlan, study, study_pixels, with_threads};
+use stratcore::trace::{TracedScene, Tracer};
+
+#[derive(Parser)]
+struct Args {
+    /// Scene: a built-in name, or a .toml or .obj file; may be given again
+    #[arg(long, default_values = ["classic", "grass"])]
+    scene: Vec<String>,
+    /// Sampler
+    #[arg(long, default_value = "jittered")]
+    sampler: String,
+    /// Times that every row is measured
+    #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
+    rounds: u32,
+    /// What cargo says to every bench
+    #[arg(long, hide = true)]
+    bench: bool,
+}
+
+/// Pixels per axis of the lattice, and of the sparse one that rays can afford.
+const SIDE: u32 = 32;
+const SPARSE_SIDE: u32 = 8;
+
+fn main() -> Result<()> {
+    let args = Args::parse();
+    let plan = protocol(SamplerChoice::named(&args.sampler)?);
+    writeln!(
+        stdout(),
+        "instruction set {}; {} samples a pixel",
+        Isa::detect().name(),
+        n_samples(&plan)
+    )?;
+    for name in &args.scene {
+        measure(load(name)?, &plan, args.rounds).with_context(|| name.clone())?;
+    }
+    Ok(())
+}
+
+/// What is measured: pixels of a scene, by a tracer, on so many threads.
+struct Row<'a> {
+    name: &'static str,
+    scene: &'a TracedScene,
+    pixels: &'a [[u32; 2]],
+    threads: usize,
+    /// The row that `ratio` compares with.
+    base: usize,
+}
+
+fn measure(scene: Scene, plan: &StudyPlan, rounds: u32) -> Result<()> {
+    let name = scene.name.clone();
+    let n_triangles = scene.mesh.triangles.len();
+    let limit = TracedScene::new(covered_by_one_triangle(scene.clone()));
+    let rays = TracedScene::new(scene.clone()).with_tracer(Tracer::Bvh);
+    let start = Instant::now();
+    let scene = TracedScene::new(scene);
+    let build = start.elapsed();
+
+    let all = lattice(&scene.scene().camera, SIDE);
+    let sparse = lattice(&scene.scene().camera, SPARSE_SIDE);
+    let mut non_empty = all.clone();
+    non_empty.retain(|&pixel| list_length(&scene, pixel).is_none_or(|length| length > 0));
+    let row = |name, scene, pixels, threads, base| Row { name, scene, pixels, threads, base };
+    let rows = [
+        row("limit: one triangle covers all", &limit, &all[..], 1, 0),
+        row("beam, all pixels", &scene, &all, 1, 0),
+        row("beam, all pixels", &scene, &all, 2, 1),
+        row("beam, non-empty pixels", &scene, &non_empty, 1, 0),
+        row("beam, non-empty pixels", &scene, &non_empty, 2, 3),
+        row("BVH, sparse lattice", &rays, &sparse, 1, 5),
+        row("beam, sparse lattice", &scene, &sparse, 1, 5),
+    ];
+    let mut times = vec![Vec::new(); rows.len()];
+    for _ in 0..rounds {
+        for (row, times) in rows.iter().zip(&mut times) {
+            times.push(time(row, plan)?.as_secs_f64());
+        }
+    }
+
+    let mut out = stdout().lock();
+    writeln!(out, "\n{name}: {n_triangles} triangles, BVH built in {:.2} s", build.as_secs_f64())?;
+    writeln!(out, "{:32} {:>7} {:>7} {:>9}   ratio", "", "pixels", "threads", "M/s")?;
+    for (i, row) in rows.iter().enumerate().filter(|(_, row)| !row.pixels.is_empty()) {
+        let rate = |i: usize, round: usize| {
+            rows[i].pixels.len() as f64 * n_samples(plan) as f64 / times[i][round]
+        };
+        let rounds = 0..times[i].len();
+        let speed = median(rounds.clone().map(|round| rate(i, round)).collect());
+        let ratio = median(rounds.map(|round| rate(i, round) / rate(row.base, round)).collect());
+        let (pixels, threads) = (row.pixels.len(), row.threads);
+        write!(out, "{:32} {pixels:7} {threads:7} {:9.1}", row.name, speed / 1e6)?;
+        match row.base {
+            base if base == i => writeln!(out)?,
+            base => writeln!(out, "   {ratio:.3} of {}", described(&rows[base]))?,
+        }
+    }
+    by_list_length(&mut out, [&scene, &limit], &all, plan)
+}
+
+fn described(row: &Row) -> String {
+    format!("\"{}\" on {} thread{}", row.name, row.threads, if row.threads == 1 { "" } else { "s" })
+}
+
+/// The same camera and light before one triangle that fills the picture: generate, shade,
+/// accumulate.
+fn covered_by_one_triangle(mut scene: Scene) -> Scene {
+    let [w, h] = scene.camera.resolution.map(f64::from);
+    let frame = scene.camera.pixel([0, 0]);
+    let corners = [[-w, -h], [4.0 * w, -h], [-w, 4.0 * h]];
+    let positions = corners.map(|[u, v]| scene.camera.eye + frame.direction(u, v)).to_vec();
+    scene.mesh =
+        Mesh { positions, triangles: vec![[0, 1, 2]], materials: vec![0], corner_normals: None };
+    scene
+}
+
+/// Triangles that the pixel's beam holds; none where the scene is traced by rays.
+fn list_length(scene: &TracedScene, pixel: [u32; 2]) -> Option<usize> {
+    let beam = PixelBeam::new(scene.scene(), scene.accel().bvh(), pixel, Channel::Luminance)?;
+    Some(beam.n_facets())
+}
+
+/// Wall time of a row, threads started.
+fn time(row: &Row, plan: &StudyPlan) -> Result<Duration> {
+    let Row { scene, pixels, threads, .. } = *row;
+    with_threads(Some(threads), || {
+        let start = Instant::now();
+        let integrand = |pixel| scene.pixel(pixel, Channel::Luminance);
+        study_pixels(&integrand, pixels.iter().copied(), plan, Control::unwatched(), &mut |_| ())?;
+        Ok(start.elapsed())
+    })
+}
+
+/// Time per sample, set-up included, of the pixels whose lists are about as long, and of the
+/// median pixel beside the same pixel at the limit.
+fn by_list_length(
+    out: &mut impl Write,
+    [scene, limit]: [&TracedScene; 2],
+    pixels: &[[u32; 2]],
+    plan: &StudyPlan,
+) -> Result<()> {
+    let mut groups: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+    let mut at_limit = Vec::new();
+    let nanoseconds = |scene: &TracedScene, pixel| -> Result<f64> {
+        let start = Instant::now();
+        let integrand = scene.pixel(pixel, Channel::Luminance);
+        study(&integrand, pixel, plan, Control::unwatched())?;
+        Ok(start.elapsed().as_secs_f64() * 1e9 / n_samples(plan) as f64)
+    };
+    with_threads(Some(1), || -> Result<()> {
+        for &pixel in pixels {
+            let Some(length) = list_length(scene, pixel) else { continue };
+            groups.entry(octave(length)).or_default().push(nanoseconds(scene, pixel)?);
+            at_limit.push(nanoseconds(limit, pixel)?);
+        }
+        Ok(())
+    })?;
+    if groups.is_empty() {
+        writeln!(out, "traced by rays: the beam does not serve this scene")?;
+        return Ok(());
+    }
+    let every: Vec<f64> = groups.values().flatten().copied().collect();
+    writeln!(out, "{:>14} {:>7} {:>12}", "list length", "pixels", "ns/sample")?;
+    for (octave, times) in groups {
+        let lengths = lengths(octave);
+        let lengths = format!("{}-{}", lengths.start(), lengths.end());
+        let pixels = times.len();
+        writeln!(out, "{lengths:>14} {pixels:7} {:12.2}", median(times))?;
+    }
+    writeln!(out, "{:>14} {:7} {:12.2}", "median of all", every.len(), median(every))?;
+    writeln!(out, "{:>14} {:7} {:12.2}", "limit", at_limit.len(), median(at_limit))?;
+    Ok(())
+}
+
+/// 0 for an empty list, else one more than the length's binary logarithm.
+fn octave(length: usize) -> usize {
+    length.checked_ilog2().map_or(0, |log| log as usize + 1)
+}
+
+/// The lengths in an octave.
+fn lengths(octave: usize) -> RangeInclusive<usize> {
+    match octave.checked_sub(1) {
+        None => 0..=0,
+        Some(log) => 1 << log..=(2 << log) - 1,
+    }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values[values.len() / 2]
+}
