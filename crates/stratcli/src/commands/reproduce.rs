@@ -28,7 +28,7 @@ use stratcore::study::{StudyPlan, render};
 use stratcore::trace::TracedScene;
 
 /// Pixels per axis of the lattice that `--quick` studies.
-const QUICK_LATTICE: u32 = 28;
+const QUICK_LATTICE: u32 = 64;
 /// Repeats of the form factor with a lattice, unless told.
 const QUICK_REPEATS: u32 = 20;
 /// Repeats of the form factor without, unless told.
