@@ -59,7 +59,7 @@ pub struct ReproduceArgs {
     /// Folder for report.html, summary.json and figures/
     #[arg(long, value_name = "DIR", default_value = "out/reproduce")]
     pub out: PathBuf,
-    /// Study a lattice of 28 × 28 pixels, not every pixel, and repeat the form factor less often
+    /// Study a lattice of 64 × 64 pixels, not every pixel, and repeat the form factor less often
     #[arg(long)]
     pub quick: bool,
     /// Study a lattice of L × L pixels, evenly over the picture
@@ -160,7 +160,8 @@ pub struct CompletionsArgs {
 /// How a study is made, whatever it is of.
 #[derive(Debug, Args)]
 pub struct StudyArgs {
-    /// Samplers to compare (see `stratcli list samplers`)
+    /// Samplers to compare, a scramble after a plus sign: jittered,sobol+owen-hash (see
+    /// `stratcli list samplers`)
     #[arg(long, value_name = "A,B", value_delimiter = ',', default_value = "random,jittered")]
     pub samplers: Vec<String>,
     /// Independent repeats of each estimate, M, at least 2

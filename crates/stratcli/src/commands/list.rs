@@ -100,7 +100,18 @@ fn text(listing: &Listing) -> String {
     let named = |name: &str, summary: &str| vec![name.to_owned(), summary.to_owned()];
     let mut sections = Vec::new();
     if let Some(samplers) = &listing.samplers {
-        sections.push(("samplers", samplers.iter().map(|s| named(s.name, s.summary)).collect()));
+        let mut rows = Vec::new();
+        for sampler in samplers {
+            rows.push(named(sampler.name, sampler.summary));
+            if let [default, others @ ..] = sampler.scrambles
+                && !others.is_empty()
+            {
+                let others: Vec<_> = others.iter().map(|s| format!("+{s}")).collect();
+                rows.push(named("", &format!("scramble {default}; or {}", others.join(", "))));
+            }
+        }
+        rows.push(named("file:PATH", "your own point sets: CSV, or UTK text or binary"));
+        sections.push(("samplers", rows));
     }
     if let Some(integrands) = &listing.integrands {
         let mut rows = Vec::new();

@@ -28,13 +28,23 @@ pub struct SamplerChoice {
 }
 
 impl SamplerChoice {
-    /// A sampler by name, with its default scramble.
+    /// A sampler by name, with its default scramble (`sobol`) or a named one
+    /// (`sobol+owen-hash`).
     ///
     /// # Errors
-    /// [`StudyError::UnknownSampler`].
-    pub fn named(name: &str) -> Result<Self, StudyError> {
-        let sampler = sampler::by_name(name)?;
-        Ok(Self { sampler, scramble: sampler.scrambles()[0] })
+    /// Those of [`sampler::by_name`]; [`StudyError::UnknownScramble`]. Whether the sampler takes
+    /// the scramble is checked by [`StudyPlan::counts_used`].
+    pub fn named(text: &str) -> Result<Self, StudyError> {
+        let split = text.rsplit_once('+').map(|(name, scramble)| (name, scramble.parse()));
+        match split {
+            // A plus sign may be part of a file's name.
+            Some((_, Err(error))) if !text.starts_with("file:") => Err(error),
+            Some((name, Ok(scramble))) => Ok(Self { sampler: sampler::by_name(name)?, scramble }),
+            _ => {
+                let sampler = sampler::by_name(text)?;
+                Ok(Self { sampler, scramble: sampler.scrambles()[0] })
+            }
+        }
     }
 }
 
@@ -80,5 +90,20 @@ impl StudyPlan {
                 self.counts.iter().map(used).collect()
             })
             .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_scramble_is_named_beside_its_sampler() {
+        let name = |text| SamplerChoice::named(text).map(|c| (c.sampler.name(), c.scramble));
+        assert_eq!(name("jittered"), Ok(("jittered", Scramble::None)));
+        assert_eq!(name("sobol+owen-hash"), Ok(("sobol", Scramble::OwenHash)));
+        assert!(matches!(name("sobol+ovens"), Err(StudyError::UnknownScramble { .. })));
+        assert!(matches!(name("sobel+owen"), Err(StudyError::UnknownSampler { .. })));
+        assert!(matches!(name("file:a+b.csv"), Err(StudyError::PointFile(_))));
     }
 }
