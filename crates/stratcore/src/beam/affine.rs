@@ -25,6 +25,10 @@ impl Affine {
         Self { c: self.c * factor, s: self.s * factor, t: self.t * factor }
     }
 
+    pub fn plus(self, other: Self) -> Self {
+        Self { c: self.c + other.c, s: self.s + other.s, t: self.t + other.t }
+    }
+
     /// Largest absolute coefficient.
     pub fn magnitude(&self) -> f64 {
         self.c.abs().max(self.s.abs()).max(self.t.abs())

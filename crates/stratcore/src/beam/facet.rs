@@ -102,6 +102,6 @@ impl Facet {
 }
 
 /// A total order of points by their coordinates, the same for every triangle.
-fn comes_first(p: &DVec3, q: &DVec3) -> bool {
+pub(super) fn comes_first(p: &DVec3, q: &DVec3) -> bool {
     (p.x, p.y, p.z) < (q.x, q.y, q.z)
 }

@@ -39,9 +39,9 @@ impl PixelBeam {
     /// Gathers and sets up what pixel (x, y) can see. `bvh` holds the scene's triangles,
     /// relative to the eye, in boxes that contain them.
     ///
-    /// None for a scene that asks for smooth shading, or whose light casts shadows.
+    /// None for a scene that asks for smooth shading: its radiance is not affine data.
     pub fn new(scene: &Scene, bvh: &Bvh2, pixel: [u32; 2], channel: Channel) -> Option<Self> {
-        if scene.mesh.corner_normals.is_some() || scene.light != Light::Headlight {
+        if scene.mesh.corner_normals.is_some() {
             return None;
         }
         let centred = CentredFrame::new(&scene.camera.pixel(pixel));
@@ -196,7 +196,7 @@ impl Integrand for PixelBeam {
         /// Strata per axis up to which f32 positions leave no mark on the variance.
         const MAX_STRATA: u64 = 4096;
         /// Facets beyond which strata are so crowded that samples are sorted into cells first.
-        const MANY: usize = 1 << 20;
+        const MANY: usize = 1000;
         if set.scramble != Scramble::None {
             return false;
         }

@@ -189,8 +189,8 @@ fn a_shared_edge_leaks_no_sample() {
 /// Jittered and random trial means of a few pixels by every instruction set, bit for bit.
 #[test]
 fn all_instruction_sets_give_the_same_bits() {
-    for fov_y in [20.0, 170.0] {
-        let mut scene = scene::load("classic").unwrap();
+    for (name, fov_y) in [("classic", 20.0), ("classic", 170.0), ("classic-shadows", 45.0)] {
+        let mut scene = scene::load(name).unwrap();
         scene.camera.fov_y = fov_y;
         let traced = TracedScene::new(scene);
         for pixel in [[128, 75], [100, 120], [10, 10], [200, 160], [60, 83]] {
@@ -214,7 +214,7 @@ fn all_instruction_sets_give_the_same_bits() {
             };
             let plain = means(Isa::BASELINE);
             for isa in Isa::available() {
-                assert_eq!(means(isa), plain, "{} at {pixel:?}, fov {fov_y}", isa.name());
+                assert_eq!(means(isa), plain, "{name}, fov {fov_y}, {pixel:?}: {}", isa.name());
             }
         }
     }
@@ -224,25 +224,37 @@ fn all_instruction_sets_give_the_same_bits() {
 /// the rounding of f32 positions and values: 1e-6, but for a sample that crosses an edge.
 #[test]
 fn beam_and_rays_agree_trial_by_trial() {
-    let traced = TracedScene::new(scene::load("classic").unwrap());
-    let rays = TracedScene::new(scene::load("classic").unwrap()).with_tracer(Tracer::Bvh);
-    let plan = StudyPlan { n_trials: 16, counts: vec![1, 16, 144], ..StudyPlan::paper() };
-    let (mut rows, mut crossed) = (0, 0);
-    for y in (8..256).step_by(37) {
-        for x in (5..256).step_by(41) {
-            let results = [&traced, &rays].map(|scene| {
-                let integrand = scene.pixel([x, y], Channel::Luminance);
-                study(&integrand, [x, y], &plan, Control::unwatched()).unwrap()
-            });
-            let [a, b] = results.each_ref().map(|r| r.samplers.iter().flat_map(|s| &s.rows));
-            for (a, b) in a.zip(b) {
-                rows += 1;
-                crossed += usize::from((a.grand_mean - b.grand_mean).abs() > 1e-6);
+    let directional = Light::Directional {
+        towards: DVec3::new(-0.5, 0.8, -0.3).normalize(),
+        irradiance: [0.9; 3],
+    };
+    for (name, light) in
+        [("classic", None), ("classic-shadows", None), ("classic", Some(directional))]
+    {
+        let load = || {
+            let mut scene = scene::load(name).unwrap();
+            scene.light = light.unwrap_or(scene.light);
+            TracedScene::new(scene)
+        };
+        let (traced, rays) = (load(), load().with_tracer(Tracer::Bvh));
+        let plan = StudyPlan { n_trials: 16, counts: vec![1, 16, 144], ..StudyPlan::paper() };
+        let (mut rows, mut crossed) = (0, 0);
+        for y in (8..256).step_by(37) {
+            for x in (5..256).step_by(41) {
+                let results = [&traced, &rays].map(|scene| {
+                    let integrand = scene.pixel([x, y], Channel::Luminance);
+                    study(&integrand, [x, y], &plan, Control::unwatched()).unwrap()
+                });
+                let [a, b] = results.each_ref().map(|r| r.samplers.iter().flat_map(|s| &s.rows));
+                for (a, b) in a.zip(b) {
+                    rows += 1;
+                    crossed += usize::from((a.grand_mean - b.grand_mean).abs() > 1e-6);
+                }
             }
         }
+        // A row has up to 2,304 samples, each within 6e-8 of an edge once in some 10^6.
+        assert!(crossed <= 1 + rows / 100, "{name}: {crossed} of {rows}");
     }
-    // A row has up to 2,304 samples, each within 6e-8 of an edge once in some 10^6.
-    assert!(crossed <= 1 + rows / 100, "{crossed} of {rows}");
 }
 
 #[test]
