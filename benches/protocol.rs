@@ -37,7 +37,7 @@ struct Args {
 
 /// Pixels per axis of the lattice, and of the sparse one that rays can afford.
 const SIDE: u32 = 32;
-const SPARSE_SIDE: u32 = 8;
+const SPARSE_SIDE: u32 = 4;
 
 fn main() -> Result<()> {
     let args = Args::parse();

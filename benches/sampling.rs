@@ -33,7 +33,7 @@ fn cases() -> impl Iterator<Item = Case> {
 
 /// Another trial's set each time, made and filled: what a study pays. What a sampler keeps from
 /// one set to the next (tables, patterns) is made before the clock starts.
-#[divan::bench(args = cases(), sample_count = 20, max_time = 0.5)]
+#[divan::bench(args = cases(), sample_count = 100, max_time = 0.5)]
 fn fill(bencher: Bencher, case: &Case) {
     /// More than the patterns that any sampler keeps.
     const TRIALS: u32 = 8;
@@ -62,7 +62,7 @@ fn fill(bencher: Bencher, case: &Case) {
 
 /// The rival: a plain loop over rand's `SmallRng`, which on 64-bit machines is
 /// Xoshiro256PlusPlus.
-#[divan::bench(args = COUNTS, sample_count = 20, max_time = 0.5)]
+#[divan::bench(args = COUNTS, sample_count = 100, max_time = 0.5)]
 fn jittered_by_small_rng(bencher: Bencher, n: u64) {
     let per_axis = n.isqrt();
     let mut points = vec![0.0; 2 * n as usize];
