@@ -105,8 +105,19 @@ pub struct PixelArgs {
     /// The number that is studied
     #[arg(long, value_enum, default_value_t = StudiedChannel::Luminance)]
     pub channel: StudiedChannel,
+    /// How samples are traced
+    #[arg(long, value_enum, default_value_t = TracerChoice::Beam)]
+    pub tracer: TracerChoice,
     #[command(flatten)]
     pub study: StudyArgs,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum TracerChoice {
+    /// Against the pixel's own list of triangles; by rays where the scene is shaded smoothly
+    Beam,
+    /// One ray through the BVH per sample: slower, for comparison
+    Bvh,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -1,12 +1,12 @@
 //! `pixel`: how fast one pixel converges.
 
 use super::{Outcome, study};
-use crate::cli::{Common, PixelArgs, StudiedChannel};
+use crate::cli::{Common, PixelArgs, StudiedChannel, TracerChoice};
 use crate::plan;
 use anyhow::{Result, ensure};
 use serde::Serialize;
 use stratcore::scene::Channel;
-use stratcore::trace::TracedScene;
+use stratcore::trace::{TracedScene, Tracer};
 
 #[derive(Serialize)]
 struct Subject<'a> {
@@ -35,7 +35,11 @@ pub fn run(args: &PixelArgs, common: &Common) -> Result<Outcome> {
         StudiedChannel::B => (Channel::B, "b"),
     };
     let name = scene.name.clone();
-    let traced = TracedScene::new(scene);
+    let tracer = match args.tracer {
+        TracerChoice::Beam => Tracer::Beam,
+        TracerChoice::Bvh => Tracer::Bvh,
+    };
+    let traced = TracedScene::new(scene).with_tracer(tracer);
     let title = format!("{name}, pixel {},{}, {channel_name}", pixel[0], pixel[1]);
     let subject = Subject { scene: &name, channel: channel_name };
     study::run(subject, &title, &traced.pixel(pixel, channel), pixel, &args.study, common)
