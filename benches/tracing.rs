@@ -8,6 +8,7 @@ use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use std::fmt;
 use std::sync::LazyLock;
+use std::sync::atomic::AtomicBool;
 use stratcore::beam::PixelBeam;
 use stratcore::rng::StreamKey;
 use stratcore::sampler::{Jittered, PointSet, Random, Sampler, Scramble};
@@ -138,7 +139,7 @@ fn row(bencher: Bencher, case: &Case, sampler: &dyn Sampler) {
     let set = PointSet { key, dim: 2, scramble: Scramble::None, rectangular: false };
     let mut means = [0.0; 50];
     bencher.counter(ItemsCount::new(256 * means.len())).bench_local(|| {
-        trial_means(&integrand, sampler, &set, 0, &mut means);
+        trial_means(&integrand, sampler, &set, 0, &mut means, &AtomicBool::new(false));
         black_box(&mut means);
     });
 }

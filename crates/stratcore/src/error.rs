@@ -50,8 +50,11 @@ pub enum StudyError {
         choices: String,
     },
     /// Fewer than two trials have no variance.
-    #[error("a variance needs at least 2 trials, not {0}")]
+    #[error("a variance needs at least 2 trials, not {0} (--trials)")]
     TooFewTrials(u32),
+    /// More trials than are held in memory.
+    #[error("{0} trials are too many; a study keeps the means of at most {1} (--trials)")]
+    TooManyTrials(u32, u32),
     /// No sample counts, or no samplers.
     #[error("the plan lists no {0}")]
     EmptyPlan(&'static str),

@@ -22,7 +22,7 @@ pub struct StreamKey {
     pub pixel: [u32; 2],
     /// Which sampler draws: its [`stream_id`](crate::sampler::Sampler::stream_id).
     pub sampler: u8,
-    /// Points in one estimate, at most [`StreamKey::MAX_SAMPLES`].
+    /// Points in one estimate, below [`StreamKey::MAX_SAMPLES`].
     pub n_samples: u64,
     /// Which independent repeat.
     pub trial: u32,
@@ -31,7 +31,7 @@ pub struct StreamKey {
 impl StreamKey {
     /// Pixels per axis that can be addressed: 2^20.
     pub const MAX_PIXEL: u32 = 1 << 20;
-    /// Points per estimate that can be addressed: 2^44.
+    /// Points per estimate stay below this: 2^44.
     pub const MAX_SAMPLES: u64 = 1 << 44;
 
     /// Refuses a key whose parts do not fit their fields: two keys would share a stream.

@@ -4,18 +4,21 @@ use crate::integrand::Integrand;
 use crate::rng::StreamKey;
 use crate::sampler::{PointSet, Sampler};
 use crate::variance::neumaier_sum;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Points evaluated at a time: small enough for the first-level cache in any practical d.
 const BLOCK: usize = 512;
 
 /// Overwrites `means` with the estimates of trials `first_trial ..`: each the mean of f over
-/// its own fresh point set. `set.key.trial` is ignored.
+/// its own fresh point set. `set.key.trial` is ignored. Once `cancel` is set, what is
+/// written means nothing.
 pub fn trial_means(
     integrand: &dyn Integrand,
     sampler: &dyn Sampler,
     set: &PointSet,
     first_trial: u32,
     means: &mut [f64],
+    cancel: &AtomicBool,
 ) {
     if integrand.trial_means(sampler, set, first_trial, means) {
         return;
@@ -27,12 +30,14 @@ pub fn trial_means(
     for (trial, mean) in (first_trial..).zip(means) {
         let key = StreamKey { trial, ..set.key };
         let source = sampler.points(&PointSet { key, ..*set });
-        let sum = neumaier_sum((0..n).step_by(block).map(|first| {
-            let len = block.min((n - first) as usize);
-            source.fill(first, &mut points[..len * set.dim]);
-            integrand.eval_block(&points[..len * set.dim], &mut values[..len]);
-            neumaier_sum(values[..len].iter().copied())
-        }));
+        let sum = neumaier_sum(
+            (0..n).step_by(block).take_while(|_| !cancel.load(Ordering::Relaxed)).map(|first| {
+                let len = block.min((n - first) as usize);
+                source.fill(first, &mut points[..len * set.dim]);
+                integrand.eval_block(&points[..len * set.dim], &mut values[..len]);
+                neumaier_sum(values[..len].iter().copied())
+            }),
+        );
         *mean = sum / n as f64;
     }
 }

@@ -44,16 +44,20 @@ pub fn spread(trial_means: &[f64]) -> Spread {
     let shift = neumaier_sum(trial_means.iter().map(|x| x - pivot)) / m;
     let grand_mean = pivot + shift;
     let deviation = |x: &f64| (x - pivot) - shift;
-    let squares = neumaier_sum(trial_means.iter().map(|x| deviation(x).powi(2)));
-    let variance = squares / (m - 1.0);
+    // Powers are taken in units of a power of two near the largest deviation: exact, and no
+    // fourth power leaves the range of numbers.
+    let largest = trial_means.iter().map(|x| deviation(x).abs()).fold(0.0, f64::max);
+    let unit = if largest > 0.0 { largest.log2().floor().exp2() } else { 1.0 };
+    let power = |n| neumaier_sum(trial_means.iter().map(|x| (deviation(x) / unit).powi(n)));
+    let squares = power(2);
+    let variance = squares / (m - 1.0) * unit * unit;
     // A trial mean is a rounded number: equal trials may differ in their last bit or two.
     let rounding = 2.0 * f64::EPSILON * grand_mean.abs();
     if variance <= rounding * rounding {
         let var_ln = var_ln_of_normal(m);
         return Spread { grand_mean, variance_of_mean: 0.0, var_ln };
     }
-    let fourth = neumaier_sum(trial_means.iter().map(|x| deviation(x).powi(4)));
-    let var_ln = var_ln(m, excess_kurtosis(m, squares, fourth));
+    let var_ln = var_ln(m, excess_kurtosis(m, squares, power(4)));
     Spread { grand_mean, variance_of_mean: variance, var_ln }
 }
 
@@ -110,6 +114,18 @@ mod tests {
         let bright: Vec<f64> = small.iter().map(|x| x + 1e6).collect();
         let (a, b) = (spread(&small).variance_of_mean, spread(&bright).variance_of_mean);
         assert!((a / b - 1.0).abs() < 1e-13, "{a} {b}");
+    }
+
+    #[test]
+    fn the_scale_of_the_values_changes_nothing_else() {
+        let means: Vec<f64> = (0..50).map(|i| f64::from(i * i % 17)).collect();
+        let one = spread(&means);
+        for exponent in [-500, -260, -30, 30, 260, 500] {
+            let unit = 2f64.powi(exponent);
+            let scaled = spread(&means.iter().map(|x| x * unit).collect::<Vec<_>>());
+            assert_eq!(scaled.var_ln, one.var_ln, "2^{exponent}");
+            assert_eq!(scaled.variance_of_mean, one.variance_of_mean * unit * unit);
+        }
     }
 
     #[test]

@@ -32,6 +32,8 @@ struct Rendered<'a> {
 
 pub fn run(args: &RenderArgs, common: &Common) -> Result<Outcome> {
     const MOST_STOPS: f64 = 100.0;
+    /// 24 bytes each, twice.
+    const MOST_PIXELS: u64 = 1 << 28;
     let RenderArgs { spp, exposure, ref output, .. } = *args;
     let format = Format::of(output)?;
     ensure!(spp >= 1, "--spp {spp}: a picture needs at least 1 sample per pixel");
@@ -40,10 +42,16 @@ pub fn run(args: &RenderArgs, common: &Common) -> Result<Outcome> {
         "--exposure {exposure}: not a finite number of stops from -{MOST_STOPS} to {MOST_STOPS}"
     );
     let scene = super::load(&args.scene, common)?;
+    let [width, height] = scene.camera.resolution;
+    ensure!(
+        u64::from(width) * u64::from(height) <= MOST_PIXELS,
+        "{}: {width} × {height} pixels are more than a picture in memory may have, {MOST_PIXELS}; \
+         lower the camera's resolution",
+        args.scene,
+    );
     let file = AtomicFile::create(output)?;
 
     let name = scene.name.clone();
-    let [width, height] = scene.camera.resolution;
     let samples = spp.saturating_mul(u64::from(width) * u64::from(height));
     let traced = TracedScene::new(scene);
     let progress = Progress::new("rendering", samples, common);

@@ -223,8 +223,8 @@ pub fn count_used(
 /// [`StudyError::ScrambleNotSupported`], [`StudyError::Deterministic`].
 pub fn check(sampler: &dyn Sampler, scramble: Scramble) -> Result<(), StudyError> {
     let choices = || {
-        let names: Vec<_> = sampler.scrambles().iter().map(ToString::to_string).collect();
-        names.join(", ")
+        let usable = sampler.scrambles().iter().filter(|s| sampler.is_randomised(**s));
+        usable.map(ToString::to_string).collect::<Vec<_>>().join(", ")
     };
     let name = sampler.name();
     if !sampler.scrambles().contains(&scramble) {

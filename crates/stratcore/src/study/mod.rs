@@ -84,7 +84,7 @@ pub fn study(
 }
 
 /// Studies many pixels, handing each result to `each` in the order of `pixels`. When cancelled
-/// it returns `Cancelled` after the results that were finished.
+/// it returns `Cancelled` after the results that were finished, whichever those are.
 ///
 /// # Errors
 /// As [`study`]; what `integrand_of` refuses.
@@ -107,12 +107,16 @@ pub fn study_pixels<I: Integrand>(
             .par_iter()
             .map(|&pixel| study(&integrand_of(pixel), pixel, plan, control))
             .collect();
+        let mut cancelled = false;
         for result in results {
-            let result = result?;
-            if !result.complete {
-                return Err(StudyError::Cancelled);
+            match result {
+                Ok(result) if result.complete => each(result),
+                Ok(_) | Err(StudyError::Cancelled) => cancelled = true,
+                Err(error) => return Err(error),
             }
-            each(result);
+        }
+        if cancelled {
+            return Err(StudyError::Cancelled);
         }
     }
 }
@@ -176,7 +180,7 @@ fn row_means(
     means.par_chunks_mut(trials_per_task).enumerate().for_each(|(task, chunk)| {
         if !control.cancel.load(Ordering::Relaxed) {
             let first_trial = (task * trials_per_task) as u32;
-            trial_means(integrand, choice.sampler, set, first_trial, chunk);
+            trial_means(integrand, choice.sampler, set, first_trial, chunk, control.cancel);
             (control.progress)(chunk.len() as u64 * n);
         }
     });

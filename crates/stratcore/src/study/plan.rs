@@ -49,6 +49,9 @@ impl SamplerChoice {
 }
 
 impl StudyPlan {
+    /// The most trials: their means are held in memory.
+    pub const MAX_TRIALS: u32 = 10_000_000;
+
     /// The paper's protocol: random and jittered, N = 1, 4, 9, …, 256, M = 50, seed 1996.
     pub fn paper() -> Self {
         Self {
@@ -78,6 +81,9 @@ impl StudyPlan {
         if self.n_trials < 2 {
             return Err(StudyError::TooFewTrials(self.n_trials));
         }
+        if self.n_trials > Self::MAX_TRIALS {
+            return Err(StudyError::TooManyTrials(self.n_trials, Self::MAX_TRIALS));
+        }
         self.samplers
             .iter()
             .map(|choice| {
@@ -105,5 +111,11 @@ mod tests {
         assert!(matches!(name("sobol+ovens"), Err(StudyError::UnknownScramble { .. })));
         assert!(matches!(name("sobel+owen"), Err(StudyError::UnknownSampler { .. })));
         assert!(matches!(name("file:a+b.csv"), Err(StudyError::PointFile(_))));
+    }
+
+    #[test]
+    fn more_trials_than_memory_holds_are_refused() {
+        let plan = StudyPlan { n_trials: u32::MAX, ..StudyPlan::paper() };
+        assert!(matches!(plan.counts_used(2), Err(StudyError::TooManyTrials(..))));
     }
 }

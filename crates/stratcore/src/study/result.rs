@@ -119,9 +119,11 @@ impl Serialize for Row {
     }
 }
 
-/// The paper's fit through rows with a variance, leaving out the `skip` smallest N.
+/// The paper's fit through rows with a variance, leaving out the `skip` smallest N. Counts that
+/// were snapped to the same N drew the same points: they are one row.
 pub(super) fn fit_rows(rows: &[Row], skip: usize) -> Option<Fit> {
     let mut spreads: Vec<_> = rows.iter().map(|row| (row.n_used, row.spread())).collect();
     spreads.sort_by_key(|(n, _)| *n);
+    spreads.dedup_by_key(|(n, _)| *n);
     fit(spreads.iter().skip(skip).map(|(n, spread)| (*n, spread)))
 }

@@ -11,6 +11,7 @@ use crate::theory::Class;
 use glam::{DVec3, dvec3};
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use std::sync::atomic::AtomicBool;
 
 const WHITE: Rgb = [1.0; 3];
 
@@ -304,7 +305,7 @@ fn an_upright_edge_of_the_target_has_its_exact_variance() {
             trial: 0,
         };
         let set = PointSet { key, dim: 2, scramble: Scramble::None, rectangular: false };
-        crate::trial::trial_means(&pixel, &Jittered, &set, 0, &mut means);
+        crate::trial::trial_means(&pixel, &Jittered, &set, 0, &mut means, &AtomicBool::new(false));
         let variance = crate::variance::spread(&means).variance_of_mean;
         let q = (0.3 * k as f64).fract();
         let exact = q * (1.0 - q) * k as f64 / (n * n) as f64 * (0.8 - 0.1f64).powi(2);
