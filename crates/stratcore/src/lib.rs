@@ -12,6 +12,7 @@
 
 pub mod beam;
 pub mod counts;
+pub mod discrepancy;
 pub mod error;
 pub mod fit;
 pub mod integrand;
