@@ -20,6 +20,7 @@ pub mod rng;
 pub mod sampler;
 pub mod scene;
 pub mod simd;
+pub mod spectrum;
 pub mod study;
 pub mod theory;
 pub mod trace;

@@ -55,7 +55,7 @@ pub fn run(args: &RenderArgs, common: &Common) -> Result<Outcome> {
     let samples = spp.saturating_mul(u64::from(width) * u64::from(height));
     let traced = TracedScene::new(scene);
     let progress = Progress::new("rendering", samples, common);
-    let mut picture = render(&traced, spp, common.seed, progress.control())?;
+    let mut picture = render(&traced, choice, spp, common.seed, progress.control())?;
     drop(progress);
 
     let gain = exposure.exp2();
