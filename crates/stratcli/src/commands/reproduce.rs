@@ -24,7 +24,7 @@ use output::Report;
 use stratcore::StudyError;
 use stratcore::integrand::Integrand as _;
 use stratcore::scene::Channel;
-use stratcore::study::{StudyPlan, render};
+use stratcore::study::{SamplerChoice, StudyPlan, render};
 use stratcore::trace::TracedScene;
 
 /// Pixels per axis of the lattice that `--quick` studies.
