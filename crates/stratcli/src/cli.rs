@@ -177,6 +177,7 @@ pub enum Listed {
     Samplers,
     Integrands,
     Scenes,
+    Discrepancies,
 }
 
 #[derive(Debug, Args)]

@@ -1,7 +1,7 @@
 //! From words as typed to the objects that a study works with.
 
 use crate::cli::{Common, NPolicy, StudyArgs};
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use serde::Serialize;
 use std::fmt;
 use std::str::FromStr;
@@ -47,6 +47,16 @@ pub fn samplers(names: &[String], scramble: Option<&str>) -> Result<Vec<SamplerC
         })
     };
     names.iter().map(choice).collect::<Result<_, StudyError>>().context("--samplers")
+}
+
+/// A fault of the sampler about `--spp`, which knows no policy.
+pub fn about_spp(error: StudyError) -> anyhow::Error {
+    match error {
+        StudyError::CountNotAdmitted { sampler, n, neighbours, .. } => {
+            anyhow!("--spp {n}: {sampler} has no set of {n} points; {neighbours}")
+        }
+        other => other.into(),
+    }
 }
 
 /// The paper's counts in two dimensions (1, 4, …, 256) and in four (1, 16, …, 10,000). In any

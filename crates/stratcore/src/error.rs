@@ -19,7 +19,7 @@ pub enum StudyError {
         neighbours: String,
     },
     /// More dimensions than the sampler is defined for.
-    #[error("{sampler} is defined up to {max_dim} dimensions, the integrand has {dim}")]
+    #[error("{sampler} is defined up to {max_dim} dimensions, not for {dim}")]
     TooManyDimensions {
         /// Sampler's name.
         sampler: &'static str,

@@ -6,6 +6,7 @@ use crate::output;
 use crate::table::{Align, columns, short};
 use anyhow::Result;
 use serde::Serialize;
+use stratcore::discrepancy::Measure;
 use stratcore::integrand::{CATALOGUE, IntegrandInfo, ParamInfo};
 use stratcore::sampler::{SHELF, Sampler, Scramble};
 use stratcore::scene::library::SCENES;
@@ -43,6 +44,14 @@ struct SceneEntry {
 }
 
 #[derive(Serialize)]
+struct DiscrepancyEntry {
+    name: &'static str,
+    summary: &'static str,
+    /// The one dimension it is defined for.
+    only_dim: Option<usize>,
+}
+
+#[derive(Serialize)]
 struct Listing {
     #[serde(skip_serializing_if = "Option::is_none")]
     samplers: Option<Vec<SamplerEntry>>,
@@ -50,6 +59,8 @@ struct Listing {
     integrands: Option<Vec<IntegrandEntry>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     scenes: Option<Vec<SceneEntry>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    discrepancies: Option<Vec<DiscrepancyEntry>>,
 }
 
 pub fn run(args: &ListArgs, common: &Common) -> Result<Outcome> {
@@ -58,6 +69,7 @@ pub fn run(args: &ListArgs, common: &Common) -> Result<Outcome> {
         samplers: wanted(Listed::Samplers).then(samplers),
         integrands: wanted(Listed::Integrands).then(integrands),
         scenes: wanted(Listed::Scenes).then(scenes),
+        discrepancies: wanted(Listed::Discrepancies).then(discrepancies),
     };
     if common.json {
         output::print_json(listing)?;
@@ -96,6 +108,15 @@ fn scenes() -> Vec<SceneEntry> {
     SCENES.iter().map(|s| SceneEntry { name: s.name, summary: s.summary }).collect()
 }
 
+fn discrepancies() -> Vec<DiscrepancyEntry> {
+    let entry = |m: Measure| DiscrepancyEntry {
+        name: m.name(),
+        summary: m.summary(),
+        only_dim: m.only_dim(),
+    };
+    Measure::ALL.map(entry).into()
+}
+
 fn text(listing: &Listing) -> String {
     let named = |name: &str, summary: &str| vec![name.to_owned(), summary.to_owned()];
     let mut sections = Vec::new();
@@ -125,6 +146,10 @@ fn text(listing: &Listing) -> String {
     }
     if let Some(scenes) = &listing.scenes {
         sections.push(("scenes", scenes.iter().map(|s| named(s.name, s.summary)).collect()));
+    }
+    if let Some(measures) = &listing.discrepancies {
+        let row = |m: &DiscrepancyEntry| named(m.name, m.summary);
+        sections.push(("discrepancies", measures.iter().map(row).collect()));
     }
     let section =
         |(title, rows): (&str, Vec<_>)| format!("{title}\n{}", columns(Align::Left, &rows));

@@ -4,6 +4,7 @@ use super::Outcome;
 use crate::cli::{Common, RenderArgs};
 use crate::output::{self, AtomicFile};
 use crate::picture::Format;
+use crate::plan;
 use crate::progress::Progress;
 use crate::report::chart::label;
 use anyhow::{Context, Result, ensure};
@@ -59,7 +60,8 @@ pub fn run(args: &RenderArgs, common: &Common) -> Result<Outcome> {
     let samples = spp.saturating_mul(u64::from(width) * u64::from(height));
     let traced = TracedScene::new(scene);
     let progress = Progress::new("rendering", samples, common);
-    let mut picture = render(&traced, choice, spp, common.seed, progress.control())?;
+    let mut picture =
+        render(&traced, choice, spp, common.seed, progress.control()).map_err(plan::about_spp)?;
     drop(progress);
 
     let gain = exposure.exp2();

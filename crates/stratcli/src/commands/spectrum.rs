@@ -149,45 +149,51 @@ fn of_pictures(
     ] {
         ensure!(!given, "{flag} is for point sets; pictures of a scene take --spp");
     }
-    let plan = ErrorPlan {
+    let error_plan = ErrorPlan {
         spp: args.spp.unwrap_or(4),
         reference_spp: args.reference_spp.unwrap_or(4096),
         n_trials: args.trials.unwrap_or(4),
         seed: common.seed,
     };
-    ensure!(plan.spp >= 1, "--spp {}: a picture needs at least 1 sample per pixel", plan.spp);
     ensure!(
-        plan.reference_spp > plan.spp,
+        error_plan.spp >= 1,
+        "--spp {}: a picture needs at least 1 sample per pixel",
+        error_plan.spp
+    );
+    ensure!(
+        error_plan.reference_spp > error_plan.spp,
         "--reference-spp {}: a reference needs more samples than the pictures, {}",
-        plan.reference_spp,
-        plan.spp
+        error_plan.reference_spp,
+        error_plan.spp
     );
     let scene = super::load(scene, common)?;
     let name = scene.name.clone();
     let pixels = scene.camera.resolution.map(u64::from).iter().product::<u64>();
-    let per_pixel = plan.spp.saturating_mul(u64::from(plan.n_trials) * choices.len() as u64);
-    let total = pixels.saturating_mul(per_pixel.saturating_add(plan.reference_spp));
+    let per_pixel =
+        error_plan.spp.saturating_mul(u64::from(error_plan.n_trials) * choices.len() as u64);
+    let total = pixels.saturating_mul(per_pixel.saturating_add(error_plan.reference_spp));
     let traced = TracedScene::new(scene);
     let progress = Progress::new("sampling", total, common);
-    let found = error_spectra(&traced, choices, &plan, progress.control())?;
+    let found = error_spectra(&traced, choices, &error_plan, progress.control())
+        .map_err(plan::about_spp)?;
     drop(progress);
     let samplers = choices.iter().zip(found).map(|(choice, error)| SamplerSpectrum {
         name: choice.sampler.name(),
         scramble: choice.scramble,
-        n_used: plan.spp,
-        trials: plan.n_trials,
+        n_used: error_plan.spp,
+        trials: error_plan.n_trials,
         mse: Some(error.mse),
         rings: error.spectrum.radial(),
         spectrum: error.spectrum,
     });
     Ok(Spectra {
-        title: format!("Power of the error of {name} at {} spp", plan.spp),
+        title: format!("Power of the error of {name} at {} spp", error_plan.spp),
         unit: "cycles per pixel",
         scene: Some(name),
-        n: plan.spp,
+        n: error_plan.spp,
         dim: 2,
         axes: None,
-        reference_spp: Some(plan.reference_spp),
+        reference_spp: Some(error_plan.reference_spp),
         seed: common.seed,
         samplers: samplers.collect(),
     })

@@ -77,8 +77,8 @@ impl Axis {
                     let label = (decade.rem_euclid(every) == 0).then(|| power_of_ten(decade));
                     ticks.push(Tick { value, label });
                 } else if span <= 8.0 {
-                    // Less than a decade has no two powers of ten: 2 and 5 help to read it.
-                    let label = (span < 1.0 && matches!(digit, 2 | 5)).then(|| number(value));
+                    // Less than two decades may have one power of ten: 2 and 5 help to read it.
+                    let label = (span < 2.0 && matches!(digit, 2 | 5)).then(|| number(value));
                     ticks.push(Tick { value, label });
                 }
             }
@@ -165,6 +165,7 @@ mod tests {
         assert!((axis.at(1.0) - 200.0).abs() < 1e-9);
         assert_eq!(labels(&Axis::log([1e-12, 1e9], [0.0, 1.0])).len(), 8);
         assert_eq!(labels(&Axis::log([1.5, 6.0], [0.0, 1.0])), ["2", "5"]);
+        assert_eq!(labels(&Axis::log([0.015, 0.6], [0.0, 1.0])).len(), 4);
     }
 
     #[test]

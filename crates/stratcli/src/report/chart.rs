@@ -46,12 +46,14 @@ impl Style {
     }
 }
 
-/// Styles of samplers in one figure: their own, unless one of them is there twice.
+/// Styles of samplers in one figure: their own, unless two of them would share a colour.
 pub fn styles(names: &[&str]) -> Vec<Style> {
-    let twice = names.iter().enumerate().any(|(i, name)| names[..i].contains(name));
-    let style =
-        |(i, name): (usize, &&str)| if twice { Style::nth(i) } else { Style::of_sampler(name) };
-    names.iter().enumerate().map(style).collect()
+    let own: Vec<_> = names.iter().map(|name| Style::of_sampler(name)).collect();
+    let shared = |i: usize| own[..i].iter().any(|other| other.colour == own[i].colour);
+    match (0..own.len()).any(shared) {
+        true => (0..own.len()).map(Style::nth).collect(),
+        false => own,
+    }
 }
 
 /// A sampler with its scramble, if it has one: `sobol (owen)`.
@@ -239,6 +241,17 @@ mod tests {
         assert_eq!(words(1), ["1", "2", "3"]);
         assert_eq!(words(2), ["1", "3/2", "2"]);
         assert_eq!(words(4), ["1", "5/4", "3/2"]);
+    }
+
+    #[test]
+    fn two_samplers_of_one_colour_take_other_styles() {
+        let colours = |names: &[&str]| styles(names).iter().map(|s| s.colour).collect::<Vec<_>>();
+        let own = |name| Style::of_sampler(name).colour;
+        assert_eq!(colours(&["jittered", "random"]), [own("jittered"), own("random")]);
+        for names in [["random", "poisson"], ["sobol", "sobol"]] {
+            let found = colours(&names);
+            assert_ne!(found[0], found[1], "{names:?}");
+        }
     }
 
     #[test]

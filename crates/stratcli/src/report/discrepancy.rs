@@ -21,7 +21,7 @@ pub fn chart(result: &Discrepancies) -> Svg {
     let curves_of = |measure| result.curves.iter().filter(move |c| c.measure == measure);
     let per_panel = measures.first().map_or(0, |measure| curves_of(*measure).count());
     let legend = LEGEND_ROW * per_panel as f64;
-    let panel_height = 40.0 + legend + PLOT.h + 60.0;
+    let panel_height = 58.0 + legend + PLOT.h + 60.0;
     let across = if measures.len() > 1 { 2 } else { 1 };
     let down = measures.len().div_ceil(across);
     let title = format!("Discrepancy in {} dimensions", result.dim);
@@ -48,7 +48,10 @@ fn panel(svg: &mut Svg, [left, top]: [f64; 2], measure: Measure, curves: &[&Disc
         svg.marker([left + 45.0, y], style.marker, style.colour);
         svg.text([left + 72.0, y + 4.5], plain(13.0, INK), &legend(curve));
     }
-    let area_top = top + 46.0 + LEGEND_ROW * curves.len() as f64;
+    let rate = Rate::of(measure);
+    let words_at = top + 44.0 + LEGEND_ROW * curves.len() as f64;
+    svg.text([left + 28.0, words_at], plain(SMALL, MUTED), rate.words);
+    let area_top = words_at + 14.0;
     let area = Rect { x: left + PLOT.x, y: area_top, ..PLOT };
     let rows = || curves.iter().flat_map(|curve| &curve.rows).filter(|row| row.mean > 0.0);
     if rows().next().is_none() {
@@ -60,7 +63,7 @@ fn panel(svg: &mut Svg, [left, top]: [f64; 2], measure: Measure, curves: &[&Disc
     let x = Axis::log(n_range, [area.x, area.x + area.w]);
     let y = Axis::log(value_range, [area.y + area.h, area.y]);
     axis::draw(svg, area, &x, &y, ["points, N", "mean discrepancy"]);
-    reference_slopes(svg, measure, curves, &x, &y, value_range[0]);
+    reference_slopes(svg, &rate, curves, &x, &y, value_range[0]);
     for (curve, style) in curves.iter().zip(&styles) {
         draw_curve(svg, curve, style, &x, &y);
     }
@@ -79,33 +82,68 @@ fn interval(mean: f64, std_error: Option<f64>) -> [f64; 2] {
     [mean - half, mean + half]
 }
 
-/// What theory knows of rates, dashed, through the first row of the last curve. For edges these
-/// are random sampling and Beck and Chen's lower bound, whose constant nobody knows; for boxes,
-/// random sampling and the rate of low-discrepancy sets but for logarithms.
+/// What theory knows of rates.
+struct Rate {
+    words: &'static str,
+    /// Largest exponent that is shown.
+    steepest: f64,
+    steepest_label: &'static str,
+    /// Whether Beck and Chen's upper bound is shown too.
+    upper_bound: bool,
+}
+
+impl Rate {
+    fn of(measure: Measure) -> Self {
+        let edges = ("\u{2212}3/4", 0.75);
+        let (words, (steepest_label, steepest), upper_bound) = match measure {
+            Measure::Edge => (
+                "rates alone: random \u{2212}1/2; Beck & Chen's bounds \u{2212}3/4 and (dots) that times \u{221a}log N",
+                edges,
+                true,
+            ),
+            Measure::EdgeL2 => {
+                ("rates alone: random \u{2212}1/2; jittered \u{2212}3/4", edges, false)
+            }
+            _ => (
+                "rates alone: random \u{2212}1/2; nets \u{2212}1 but for logarithms",
+                ("\u{2212}1", 1.0),
+                false,
+            ),
+        };
+        Self { words, steepest, steepest_label, upper_bound }
+    }
+}
+
+/// Dashed lines of known rates through the first row of the last curve with more than one
+/// point: their constants are unknown or those of no sampler here.
 fn reference_slopes(
     svg: &mut Svg,
-    measure: Measure,
+    rate: &Rate,
     curves: &[&DiscrepancyCurve],
     x: &Axis,
     y: &Axis,
     floor: f64,
 ) {
-    let first = |curve: &&DiscrepancyCurve| curve.rows.iter().find(|row| row.mean > 0.0).copied();
-    let Some(first) = curves.iter().rev().find_map(first) else { return };
+    let start = |curve: &&DiscrepancyCurve| {
+        curve.rows.iter().find(|row| row.n_used > 1 && row.mean > 0.0).copied()
+    };
+    let Some(first) = curves.iter().rev().find_map(start) else { return };
     let rows = curves.iter().flat_map(|curve| &curve.rows);
     let last = rows.map(|row| row.n_used).max().unwrap_or(first.n_used) as f64;
-    let steepest = match measure.is_of_edges() {
-        true => (0.75, "\u{2212}3/4 (lower bound)"),
-        false => (1.0, "\u{2212}1"),
-    };
     let dashed = Stroke { colour: "#8a8a8a", width: 0.9, dash: "4 4" };
     let (n0, v0) = (first.n_used as f64, first.mean);
-    for (p, words) in [(0.5, "\u{2212}1/2"), steepest] {
+    for (p, label) in [(0.5, "\u{2212}1/2"), (rate.steepest, rate.steepest_label)] {
         let end = last.min(n0 * (v0 / floor).powf(1.0 / p));
         let to = [x.at(end), y.at(v0 * (end / n0).powf(-p))];
         svg.line([x.at(n0), y.at(v0)], to, dashed);
-        let shift = if words.len() > 8 { [-104.0, 14.0] } else { [5.0, 4.0] };
-        svg.text([to[0] + shift[0], to[1] + shift[1]], plain(SMALL, MUTED), words);
+        svg.text([to[0] + 5.0, to[1] + 4.0], plain(SMALL, MUTED), label);
+    }
+    if rate.upper_bound {
+        let bound = |n: f64| v0 * (n / n0).powf(-0.75) * (n.ln() / n0.ln()).sqrt();
+        let steps = 48;
+        let n = |i: i32| n0 * (last / n0).powf(f64::from(i) / f64::from(steps));
+        let curve: Vec<_> = (0..=steps).map(|i| [x.at(n(i)), y.at(bound(n(i)))]).collect();
+        svg.path(&curve, Stroke { colour: "#555555", width: 1.2, dash: "1 3" });
     }
 }
 

@@ -71,8 +71,8 @@ pub fn chart(spectra: &Spectra) -> Svg {
     let rows = samplers.len().div_ceil(PER_ROW);
     let plot_width = (STEP * columns as f64).max(430.0);
     let maps_bottom = 48.0 + rows as f64 * (MAP + 30.0);
-    let legend_top = maps_bottom + 34.0;
-    let power_top = legend_top + LEGEND_ROW * samplers.len() as f64;
+    let legend_top = maps_bottom + 44.0;
+    let power_top = legend_top + LEGEND_ROW * samplers.len() as f64 + 8.0;
     let power_area = Rect { x: LEFT, y: power_top, w: plot_width, h: 240.0 };
     let anisotropy_area = Rect { y: power_top + 240.0 + 64.0, h: 130.0, ..power_area };
     let (width, height) = (LEFT + plot_width + 24.0, anisotropy_area.y + 130.0 + 56.0);
@@ -182,15 +182,18 @@ fn curve(
 }
 
 impl SamplerSpectrum {
-    /// The sampler, its scramble, and N where it was not the one asked for.
-    pub fn label(&self) -> String {
+    fn label(&self) -> String {
         label(self.name, self.scramble)
     }
 
     fn legend(&self) -> String {
         let mut text = format!("{}, {} periodograms", self.label(), self.trials);
         if let Some(mse) = self.mse {
-            text += &format!(", mean square error {mse:.3e}").replace('-', "\u{2212}");
+            let scientific = format!("{mse:.2e}").replace('-', "\u{2212}");
+            text += &match scientific.split_once('e') {
+                Some((digits, power)) => format!(", mean square error {digits} · 10^{{{power}}}"),
+                None => format!(", mean square error {scientific}"),
+            };
         }
         text
     }

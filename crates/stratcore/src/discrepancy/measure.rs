@@ -52,11 +52,11 @@ impl Measure {
     pub fn summary(self) -> &'static str {
         match self {
             Self::Edge => "largest error of the area on one side of any straight edge",
-            Self::EdgeL2 => "root mean square of that error over all edges",
+            Self::EdgeL2 => "root mean square error of the area beside a straight edge",
             Self::Star => "largest error of the area of any box at the origin",
-            Self::L2Star => "root mean square of that error over all such boxes",
-            Self::Centred => "the same of boxes at the nearest corner, and their projections",
-            Self::WrapAround => "the same of boxes on the torus",
+            Self::L2Star => "root mean square error of the area of a box at the origin",
+            Self::Centred => "the same for boxes at the nearest corner, and projections",
+            Self::WrapAround => "the same for boxes on the torus",
             Self::Mixture => "a mean of centred and wrap-around",
         }
     }
