@@ -11,10 +11,12 @@ use crate::report::spectrum::{self as figure, SamplerSpectrum, Spectra};
 use crate::table;
 use anyhow::{Context, Result, bail, ensure};
 use std::path::Path;
+use stratcore::integrand::Integrand as _;
 use stratcore::rng::StreamKey;
 use stratcore::sampler::{
     CountPolicy, PointFile, PointSet, Sampler, Scramble, check_scramble, count_used,
 };
+use stratcore::scene::Channel;
 use stratcore::scene::library::SCENES;
 use stratcore::study::{ErrorPlan, SamplerChoice, error_spectra, point_spectrum};
 use stratcore::trace::TracedScene;
@@ -173,6 +175,7 @@ fn of_pictures(
         error_plan.spp.saturating_mul(u64::from(error_plan.n_trials) * choices.len() as u64);
     let total = pixels.saturating_mul(per_pixel.saturating_add(error_plan.reference_spp));
     let traced = TracedScene::new(scene);
+    let dim = traced.pixel([0, 0], Channel::Luminance).dim();
     let progress = Progress::new("sampling", total, common);
     let found = error_spectra(&traced, choices, &error_plan, progress.control())
         .map_err(plan::about_spp)?;
@@ -191,7 +194,7 @@ fn of_pictures(
         unit: "cycles per pixel",
         scene: Some(name),
         n: error_plan.spp,
-        dim: 2,
+        dim,
         axes: None,
         reference_spp: Some(error_plan.reference_spp),
         seed: common.seed,
