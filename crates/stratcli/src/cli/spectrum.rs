@@ -11,14 +11,8 @@ pub struct SpectrumArgs {
     #[arg(value_name = "SCENE|FILE")]
     pub subject: Option<String>,
     /// Samplers to compare, a scramble after a plus sign: jittered,sobol+owen (see `stratcli
-    /// list samplers`)
-    #[arg(
-        long,
-        alias = "sampler",
-        value_name = "A,B",
-        value_delimiter = ',',
-        default_value = "random,jittered"
-    )]
+    /// list samplers`) [default: random,jittered]
+    #[arg(long, alias = "sampler", value_name = "A,B", value_delimiter = ',')]
     pub samplers: Vec<String>,
     /// Scramble of the samplers that name none themselves
     #[arg(long, value_name = "R")]

@@ -23,10 +23,8 @@ use stratcore::trace::TracedScene;
 
 pub fn run(args: &SpectrumArgs, common: &Common) -> Result<Outcome> {
     let format = args.output.as_deref().map(Format::of).transpose()?;
-    let choices = match point_file(args)? {
-        Some(file) => vec![SamplerChoice { sampler: file, scramble: Scramble::None }],
-        None => plan::samplers(&args.samplers, args.scramble.as_deref())?,
-    };
+    let points = point_file(args)?;
+    let choices = choices(points, args)?;
     ensure!(
         format.is_none() || choices.len() == 1,
         "--output holds one spectrum, not {}; name one sampler with --samplers, or draw them all \
@@ -38,7 +36,7 @@ pub fn run(args: &SpectrumArgs, common: &Common) -> Result<Outcome> {
     let csv = args.csv.as_deref().map(AtomicFile::create).transpose()?;
     let spectra = match &args.subject {
         Some(scene) if is_scene(scene) => of_pictures(scene, &choices, args, common)?,
-        _ => of_points(&choices, args, common)?,
+        _ => of_points(points, &choices, args, common)?,
     };
     if let Some(plot) = plot {
         plot.commit(&figure::chart(&spectra))?;
@@ -65,6 +63,22 @@ pub fn run(args: &SpectrumArgs, common: &Common) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
+fn choices(file: Option<&'static PointFile>, args: &SpectrumArgs) -> Result<Vec<SamplerChoice>> {
+    let SpectrumArgs { samplers, scramble, .. } = args;
+    if let Some(file) = file {
+        ensure!(
+            samplers.is_empty() && scramble.is_none(),
+            "{}: a file's sets are seen as they are, without --samplers or --scramble; name it \
+             among --samplers as file:PATH",
+            file.name()
+        );
+        return Ok(vec![SamplerChoice { sampler: file, scramble: Scramble::None }]);
+    }
+    let default = || ["random", "jittered"].map(str::to_owned).to_vec();
+    let names = if samplers.is_empty() { default() } else { samplers.clone() };
+    plan::samplers(&names, scramble.as_deref())
+}
+
 fn is_scene(subject: &str) -> bool {
     let ending = Path::new(subject).extension().map(|e| e.to_ascii_lowercase());
     let is_file = ending.is_some_and(|e| e == "toml" || e == "obj");
@@ -83,13 +97,17 @@ fn point_file(args: &SpectrumArgs) -> Result<Option<&'static PointFile>> {
     }
 }
 
-fn of_points(choices: &[SamplerChoice], args: &SpectrumArgs, common: &Common) -> Result<Spectra> {
+fn of_points(
+    file: Option<&PointFile>,
+    choices: &[SamplerChoice],
+    args: &SpectrumArgs,
+    common: &Common,
+) -> Result<Spectra> {
     for (flag, given) in [("--spp", args.spp), ("--reference-spp", args.reference_spp)] {
         if given.is_some() {
             bail!("{flag} is for pictures of a scene; point sets take -n");
         }
     }
-    let file = point_file(args)?;
     let n = args.n.or(file.and_then(|file| file.counts().first().copied())).unwrap_or(256);
     let dim = args.dim.or(file.map(Sampler::max_dim)).unwrap_or(2);
     ensure!(n >= 1, "-n {n}: a set has at least 1 point");
