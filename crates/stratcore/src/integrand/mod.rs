@@ -65,6 +65,29 @@ pub trait Integrand: Sync {
         Regularity::Unknown
     }
 
+    /// The same where opposite faces of the cube are joined, as a torus shift joins them: a
+    /// smooth f that is not periodic jumps there.
+    fn regularity_on_torus(&self) -> Regularity {
+        match self.regularity() {
+            Regularity::Smooth => Regularity::Unknown,
+            Regularity::Discontinuous { discontinuity_dim } => Regularity::Discontinuous {
+                discontinuity_dim: discontinuity_dim.max(self.dim() as f64 - 1.0),
+            },
+            same => same,
+        }
+    }
+
+    /// How f lies to the axes.
+    fn alignment(&self) -> Alignment {
+        Alignment::General
+    }
+
+    /// ∫|∇f|² over the cube, where a closed form or quadrature gives it: the constant of
+    /// stratified sampling of a smooth f.
+    fn mean_square_gradient(&self) -> Option<f64> {
+        None
+    }
+
     /// The exact variance of the mean of `n` points of this sampler (unscrambled `random`, or
     /// `jittered` with n = k^d), where a closed form exists.
     fn exact_variance(&self, _sampler: &str, _n: u64) -> Option<f64> {
@@ -95,4 +118,13 @@ pub enum Regularity {
     },
     /// Nothing is known.
     Unknown,
+}
+
+/// How an integrand lies to the axes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Alignment {
+    /// A sum of functions of one coordinate each; one of them may be all there is.
+    Additive,
+    /// Anything else, or not known.
+    General,
 }
