@@ -4,6 +4,8 @@ pub mod axis;
 pub mod chart;
 pub mod gain;
 pub mod histogram;
+pub mod literature;
+pub mod loglog;
 pub mod page;
 pub mod picture;
 pub mod raster;

@@ -95,6 +95,49 @@ pub trait Integrand: Sync {
     }
 }
 
+/// An integrand is as good by reference.
+impl<I: Integrand + ?Sized> Integrand for &I {
+    fn dim(&self) -> usize {
+        (**self).dim()
+    }
+    fn axes(&self) -> Vec<String> {
+        (**self).axes()
+    }
+    fn eval(&self, point: &[f64]) -> f64 {
+        (**self).eval(point)
+    }
+    fn eval_block(&self, points: &[f64], values: &mut [f64]) {
+        (**self).eval_block(points, values);
+    }
+    fn trial_means(
+        &self,
+        sampler: &dyn Sampler,
+        set: &PointSet,
+        first_trial: u32,
+        means: &mut [f64],
+    ) -> bool {
+        (**self).trial_means(sampler, set, first_trial, means)
+    }
+    fn reference(&self) -> Option<Reference> {
+        (**self).reference()
+    }
+    fn regularity(&self) -> Regularity {
+        (**self).regularity()
+    }
+    fn regularity_on_torus(&self) -> Regularity {
+        (**self).regularity_on_torus()
+    }
+    fn alignment(&self) -> Alignment {
+        (**self).alignment()
+    }
+    fn mean_square_gradient(&self) -> Option<f64> {
+        (**self).mean_square_gradient()
+    }
+    fn exact_variance(&self, sampler: &str, n: u64) -> Option<f64> {
+        (**self).exact_variance(sampler, n)
+    }
+}
+
 /// A known mean and how far it may be off.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Reference {
