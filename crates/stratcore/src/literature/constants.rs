@@ -111,8 +111,7 @@ fn random(lab: &mut Lab<'_>) -> Outcome {
     ] {
         let f = integrand(name, dim, params)?;
         let variance = f.exact_variance("random", 1).unwrap_or(f64::NAN);
-        let occluded = if params.is_empty() { "" } else { ", occluder 0.5" };
-        let case = format!("{name}{occluded}, d = {dim}, {}", range(counts));
+        let case = format!("{name}{}, d = {dim}, {}", words(params), range(counts));
         let row = lab.exact(&case, &*f, "random", counts, |n| variance / n as f64)?;
         lab.push(row);
     }
@@ -125,6 +124,11 @@ pub(super) fn range(counts: &[u64]) -> String {
         [first, .., last] => format!("N = {first} to {last}"),
         _ => counts.iter().map(|n| format!("N = {n}")).collect(),
     }
+}
+
+/// ", frequency 64"
+pub(super) fn words(params: &[(&str, f64)]) -> String {
+    params.iter().map(|(name, value)| format!(", {name} {value}")).collect()
 }
 
 /// Strata per axis that make N = 4 to a few thousand in d dimensions.
@@ -156,7 +160,7 @@ fn linear(lab: &mut Lab<'_>) -> Outcome {
 }
 
 fn smooth(lab: &mut Lab<'_>) -> Outcome {
-    for (name, dim) in [("gaussian", 2), ("cosines", 2), ("gaussian", 1), ("gaussian", 4)] {
+    for (name, dim) in [("gaussian", 2), ("multilinear", 2), ("gaussian", 1), ("gaussian", 4)] {
         let f = integrand(name, dim, &[])?;
         let k = *strata(dim).last().unwrap_or(&1);
         let n = k.pow(dim as u32);
@@ -468,7 +472,7 @@ fn latin_bound(lab: &mut Lab<'_>) -> Outcome {
         let variance = f.exact_variance("random", 1).unwrap_or(f64::NAN);
         let choice = crate::study::SamplerChoice::named("lhs")?;
         let rows = lab.study(&*f, choice, &counts)?.rows;
-        let case = format!("{name} {params:?}, {}: the largest", range(&counts)).replace("[] ", "");
+        let case = format!("{name}{}, {}: the largest", words(params), range(&counts));
         let finding = Finding::new(case, "(N-1)·variance/σ²", 1.0).being(Relation::AtMost);
         let row = with_checks(finding, ratios(&rows, |n| variance / (n as f64 - 1.0)));
         lab.push(
@@ -490,8 +494,6 @@ fn checkerboard(lab: &mut Lab<'_>) -> Outcome {
     lab.push(row.noting("0.95 to 0.98 was seen; the gain of this Walsh function is exactly 1"));
     // All of N = 2^12: one point in each check.
     let row = lab.exact("sobol+xor-shift, N = 4096", &*f, "sobol+xor-shift", &[4096], |_| 0.0)?;
-    lab.push(
-        Finding { measured: row.checks.first().map(|c| c.ratio), ..row }.noting("no variance"),
-    );
+    lab.push(row.noting("one point in each check: exactly no variance"));
     Ok(())
 }

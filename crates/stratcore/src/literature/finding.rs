@@ -28,7 +28,8 @@ pub enum Verdict {
     Holds,
     /// Not so.
     Fails,
-    /// The expectation is quoted from memory: no verdict, whatever the measured value.
+    /// The expectation is quoted from memory, or there is none: no verdict, whatever the
+    /// measured value.
     Recalled,
     /// Nothing was measured; the note says why.
     NotMeasured,
@@ -149,10 +150,10 @@ impl Finding {
     /// allowance, and each of the checks does so at a bound that keeps the chance of a false
     /// failure among all of them the same.
     pub fn verdict(&self) -> Verdict {
-        let Some(z) = self.z() else { return Verdict::NotMeasured };
-        if self.recalled {
-            return Verdict::Recalled;
+        if self.measured.is_none() {
+            return Verdict::NotMeasured;
         }
+        let Some(z) = self.z().filter(|_| !self.recalled) else { return Verdict::Recalled };
         let bound = shared_bound(self.checks.len());
         let sound = |check: &Check| {
             let off = match self.relation {

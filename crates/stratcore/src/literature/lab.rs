@@ -2,11 +2,14 @@
 
 use super::LiteratureError;
 use super::finding::{Check, Figure, Finding, Relation};
-use crate::fit::{Fit, fit};
+use crate::discrepancy::Measure;
+use crate::fit::{Fit, power_law};
 use crate::integrand::{Integrand, by_name};
 use crate::rng::{Stream, StreamKey};
-use crate::study::{Control, Row, SamplerChoice, SamplerResult, StudyPlan, study, study_pixels};
-use crate::variance::Spread;
+use crate::study::{
+    Control, DiscrepancyRow, Row, SamplerChoice, SamplerResult, StudyPlan, discrepancies, study,
+    study_pixels,
+};
 
 /// How much is spent on a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
@@ -97,7 +100,7 @@ impl<'a> Lab<'a> {
         self.next
     }
 
-    fn plan(&self, choice: SamplerChoice, counts: &[u64], n_trials: u32) -> StudyPlan {
+    pub(super) fn plan(&self, choice: SamplerChoice, counts: &[u64], n_trials: u32) -> StudyPlan {
         StudyPlan {
             samplers: vec![choice],
             counts: counts.to_vec(),
@@ -185,6 +188,23 @@ impl<'a> Lab<'a> {
             }
         })?;
         Ok(variances)
+    }
+
+    /// Mean arbitrary-edge discrepancy of `sets` point sets, or of as many as there are.
+    pub(super) fn edge_discrepancies(
+        &self,
+        sampler: &str,
+        counts: &[u64],
+        sets: u32,
+    ) -> Result<Vec<Average>, LiteratureError> {
+        let plan = self.plan(SamplerChoice::named(sampler)?, counts, sets);
+        let found = discrepancies(&plan, 2, &[Measure::Edge], self.control)?;
+        let average = |row: &DiscrepancyRow| Average {
+            n: row.n_used,
+            mean: row.mean,
+            std_error: row.std_error.unwrap_or(f64::NAN),
+        };
+        Ok(found.curves.iter().flat_map(|curve| &curve.rows).map(average).collect())
     }
 
     /// Whole studies, `repeats` of them, handed to `each` in order.
@@ -292,9 +312,14 @@ pub(super) fn with_checks(finding: Finding, checks: Vec<Check>) -> Finding {
     let (value, std_error) = match finding.relation {
         Relation::Equals => {
             let noisy = || checks.iter().filter(|c| c.std_error > 0.0 || c.ratio != 1.0);
-            let count = noisy().count() as f64;
-            let mean = noisy().map(|c| c.ratio).sum::<f64>() / count;
-            (mean, noisy().map(|c| c.std_error.powi(2)).sum::<f64>().sqrt() / count)
+            match noisy().count() as f64 {
+                // Zeros where zeros are due leave no noise to average.
+                0.0 => (1.0, 0.0),
+                count => {
+                    let mean = noisy().map(|c| c.ratio).sum::<f64>() / count;
+                    (mean, noisy().map(|c| c.std_error.powi(2)).sum::<f64>().sqrt() / count)
+                }
+            }
         }
         relation => {
             let sign = if relation == Relation::AtMost { 1.0 } else { -1.0 };
@@ -311,7 +336,7 @@ pub(super) fn exponent_of(case: &str, result: &SamplerResult, expected: f64) -> 
     exponent_row(case, result.fit.as_ref(), expected)
 }
 
-fn exponent_row(case: &str, fit: Option<&Fit>, expected: f64) -> Finding {
+pub(super) fn exponent_row(case: &str, fit: Option<&Fit>, expected: f64) -> Finding {
     let range = fit.map_or(String::new(), |f| format!(", N = {} to {}", f.n_min, f.n_max));
     let finding = Finding::new(format!("{case}{range}"), "p", expected);
     match fit {
@@ -322,21 +347,11 @@ fn exponent_row(case: &str, fit: Option<&Fit>, expected: f64) -> Finding {
 
 /// A row on the exponent of averages over placements.
 pub(super) fn exponent_of_averages(case: &str, averages: &[Average], expected: f64) -> Finding {
-    let spreads: Vec<_> = averages
-        .iter()
-        .map(|a| {
-            let var_ln = (a.std_error / a.mean).powi(2);
-            (a.n, Spread { grand_mean: 0.0, variance_of_mean: a.mean, var_ln })
-        })
-        .collect();
-    exponent_row(case, fit(spreads.iter().map(|(n, s)| (*n, s))).as_ref(), expected)
+    let rows = averages.iter().map(|a| (a.n, a.mean, (a.std_error / a.mean).powi(2)));
+    exponent_row(case, power_law(rows).as_ref(), expected)
 }
 
 /// The exponent that an exact law fits to at these N, without noise.
 pub(super) fn exact_exponent(counts: &[u64], law: impl Fn(u64) -> f64) -> Option<f64> {
-    let rows: Vec<_> = counts
-        .iter()
-        .map(|n| (*n, Spread { grand_mean: 0.0, variance_of_mean: law(*n), var_ln: 1.0 }))
-        .collect();
-    fit(rows.iter().map(|(n, spread)| (*n, spread))).map(|fit| fit.exponent)
+    power_law(counts.iter().map(|n| (*n, law(*n), 1.0))).map(|fit| fit.exponent)
 }

@@ -11,6 +11,7 @@ mod lab;
 mod mitchell;
 mod nets;
 mod patterns;
+mod samplers;
 mod shapes;
 
 pub use finding::{BOUND, Check, Curve, Figure, Finding, Relation, Slope, Verdict};

@@ -1,9 +1,9 @@
-//! Integrands and one sampler that only claims need: features at random places, sums over
-//! pairs of coordinates, single waves, and the Sobol' sequence without its first point.
+//! Integrands that only claims need: features at random places, sums over pairs of coordinates,
+//! single waves.
 
 use crate::integrand::Integrand;
 use crate::rng::StreamKey;
-use crate::sampler::{Kind, PointSet, Points, Sampler, Scramble, Sobol};
+use crate::sampler::{PointSet, Sampler};
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::f64::consts::TAU;
 
@@ -147,55 +147,6 @@ impl Integrand for NormalMeans {
     }
 }
 
-/// The Sobol' sequence from its second point on, as some programs hand it out.
-pub(super) struct SobolFromSecond;
-
-impl Sampler for SobolFromSecond {
-    fn name(&self) -> &'static str {
-        "sobol without its first point"
-    }
-    fn summary(&self) -> &'static str {
-        "points 1 to N of the Sobol' sequence"
-    }
-    fn source(&self) -> &'static str {
-        "Owen 2020"
-    }
-    fn stream_id(&self) -> u8 {
-        254
-    }
-    fn kind(&self) -> Kind {
-        Kind::Sequence
-    }
-    fn max_dim(&self) -> usize {
-        Sobol.max_dim()
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        Sobol.scrambles()
-    }
-    fn is_randomised(&self, scramble: Scramble) -> bool {
-        Sobol.is_randomised(scramble)
-    }
-    fn admits(&self, n: u64, dim: usize, rectangular: bool) -> bool {
-        Sobol.admits(n + 1, dim, rectangular)
-    }
-    fn neighbours(&self, n: u64, dim: usize) -> (Option<u64>, Option<u64>) {
-        Sobol.neighbours(n, dim)
-    }
-    fn construct(&self, set: &PointSet) -> Box<dyn Points> {
-        // One point more: the last index has to be there.
-        let key = StreamKey { n_samples: set.key.n_samples + 1, ..set.key };
-        Box::new(FromSecond(Sobol.construct(&PointSet { key, ..*set })))
-    }
-}
-
-struct FromSecond(Box<dyn Points>);
-
-impl Points for FromSecond {
-    fn fill(&self, first: u64, points: &mut [f64]) {
-        self.0.fill(first + 1, points);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -210,20 +161,5 @@ mod tests {
                 assert!((sum / 40_000.0 - covered).abs() < 5e-3, "{angle} {u}: {sum}");
             }
         }
-    }
-
-    #[test]
-    fn the_second_point_comes_first() {
-        let key = StreamKey { seed: 1, pixel: [0, 0], sampler: 8, n_samples: 9, trial: 0 };
-        let set = |n_samples| PointSet {
-            key: StreamKey { n_samples, ..key },
-            dim: 2,
-            scramble: Scramble::Owen,
-            rectangular: false,
-        };
-        let (mut whole, mut rest) = ([0.0; 18], [0.0; 16]);
-        Sobol.points(&set(9)).fill(0, &mut whole);
-        SobolFromSecond.points(&set(8)).fill(0, &mut rest);
-        assert_eq!(whole[2..], rest);
     }
 }
