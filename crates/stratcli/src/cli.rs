@@ -73,7 +73,8 @@ pub struct ReproduceArgs {
     /// Folder for report.html, summary.json and figures/
     #[arg(long, value_name = "DIR", default_value = "out/reproduce")]
     pub out: PathBuf,
-    /// Study a lattice of 64 × 64 pixels, not every pixel, and repeat the form factor less often
+    /// Study a lattice of 64 × 64 pixels, not every pixel, and repeat the form factor less
+    /// often; with --literature, fewer samples per claim
     #[arg(long)]
     pub quick: bool,
     /// Study a lattice of L × L pixels, evenly over the picture
@@ -86,6 +87,13 @@ pub struct ReproduceArgs {
     /// The scene: a file, or a built-in one (see `stratcli list scenes`)
     #[arg(long, value_name = "SCENE", default_value = "classic")]
     pub scene: String,
+    /// Not the paper's figures but what the literature claims of samplers, each claim measured:
+    /// literature.html, .csv and .json; exit code 1 where one does not hold
+    #[arg(long, conflicts_with_all = ["lattice", "repeats", "scene"])]
+    pub literature: bool,
+    /// Only these claims of the literature, such as K4,M3
+    #[arg(long, value_name = "IDS", value_delimiter = ',', requires = "literature")]
+    pub claims: Vec<String>,
 }
 
 #[derive(Debug, Args)]

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use stratcore::StudyResult;
 use stratcore::fit::Fit;
 use stratcore::study::{Discrepancies, Row, SamplerResult};
-use stratcore::theory::Class;
+use stratcore::theory::{Basis, Class};
 
 /// Which side of a column its cells stand at.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -245,7 +245,11 @@ fn reading(sampler: &SamplerResult) -> String {
         let _ = writeln!(text, "  class: {class}{doubt}");
     }
     if let Some(p) = sampler.predicted {
-        let _ = writeln!(text, "  predicted: p = {}", short(p, 5));
+        let whence = match (sampler.predicted_from, sampler.predicted_source) {
+            (Some(Basis::Class), _) => "for the class that was measured".to_owned(),
+            (_, source) => source.unwrap_or_default().to_owned(),
+        };
+        let _ = writeln!(text, "  predicted: p = {} ({whence})", short(p, 5));
     }
     text
 }

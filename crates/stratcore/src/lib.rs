@@ -16,6 +16,7 @@ pub mod discrepancy;
 pub mod error;
 pub mod fit;
 pub mod integrand;
+pub mod literature;
 pub mod rng;
 pub mod sampler;
 pub mod scene;

@@ -5,6 +5,7 @@
 
 mod close_up;
 mod form_factor;
+mod literature;
 mod output;
 mod pixels;
 mod tally;
@@ -37,6 +38,9 @@ const REPEATS: u32 = 150;
 const PICTURE_SPP: u64 = 16;
 
 pub fn run(args: &ReproduceArgs, common: &Common) -> Result<Outcome> {
+    if args.literature {
+        return literature::run(args, common);
+    }
     let scene = TracedScene::new(super::load(&args.scene, common)?);
     let plan = StudyPlan { seed: common.seed, ..StudyPlan::paper() };
     plan.counts_used(scene.pixel([0, 0], Channel::Luminance).dim())?;

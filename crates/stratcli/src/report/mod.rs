@@ -5,6 +5,8 @@ pub mod chart;
 pub mod discrepancy;
 pub mod gain;
 pub mod histogram;
+pub mod literature;
+pub mod loglog;
 pub mod page;
 pub mod picture;
 pub mod points;

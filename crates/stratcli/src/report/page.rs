@@ -14,6 +14,19 @@ pub struct Figure {
     pub inline: String,
 }
 
+/// The page's file.
+pub const NAME: &str = "report.html";
+
+/// A finished page with a link to another one in its folder, before the footer; as it is where
+/// the link is there already.
+pub fn with_link(page: &str, file: &str, title: &str) -> String {
+    let link = html! { p { "Beside this page: " a href=(file) { (title) } "." } }.into_string();
+    if page.contains(&link) {
+        return page.to_owned();
+    }
+    page.replacen("<footer>", &(link + "<footer>"), 1)
+}
+
 /// The whole page.
 pub fn render(summary: &Summary, figures: &[Figure]) -> String {
     let Summary { protocol, .. } = summary;
@@ -93,7 +106,7 @@ fn span(counts: &[u64]) -> String {
 }
 
 /// Negative numbers with a true minus.
-fn signs(text: &str) -> String {
+pub fn signs(text: &str) -> String {
     let minus = |digit: char| (format!("-{digit}"), format!("\u{2212}{digit}"));
     ('0'..='9').map(minus).fold(text.to_owned(), |text, (from, to)| text.replace(&from, &to))
 }
@@ -303,6 +316,13 @@ fn method(summary: &Summary) -> Markup {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_page_is_linked_once() {
+        let once = with_link("<main><footer></footer></main>", "other.html", "Other");
+        assert!(once.contains(r#"<a href="other.html">Other</a>"#) && once.contains("<footer>"));
+        assert_eq!(with_link(&once, "other.html", "Other"), once);
+    }
 
     #[test]
     fn counts_are_told_in_short() {

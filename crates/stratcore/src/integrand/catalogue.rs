@@ -13,6 +13,7 @@ pub const CATALOGUE: &[IntegrandInfo] = &[
     disk::DISK,
     product::GAUSSIAN,
     product::COSINES,
+    product::MULTILINEAR,
     checkerboard::CHECKERBOARD,
     koch::KOCH,
     form_factor::FORM_FACTOR,

@@ -2,7 +2,7 @@
 
 use super::catalogue::{IntegrandInfo, ParamInfo};
 use super::exact::{direction, indicator_strata_variance, variance_of_mean};
-use super::{Integrand, Reference, Regularity};
+use super::{Alignment, Integrand, Reference, Regularity};
 
 pub(super) const HALF_SPACE: IntegrandInfo = IntegrandInfo {
     name: "half-space",
@@ -59,6 +59,12 @@ impl Integrand for HalfSpace {
             return Regularity::Constant;
         }
         Regularity::Discontinuous { discontinuity_dim: self.normal.len() as f64 - 1.0 }
+    }
+    fn alignment(&self) -> Alignment {
+        match self.normal.iter().filter(|n| **n > 0.0).count() {
+            1 => Alignment::Additive,
+            _ => Alignment::General,
+        }
     }
     /// From the volume that the plane cuts off each stratum.
     fn exact_variance(&self, sampler: &str, n: u64) -> Option<f64> {

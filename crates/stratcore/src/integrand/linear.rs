@@ -2,7 +2,7 @@
 
 use super::catalogue::{IntegrandInfo, MAX_DIM, ParamInfo};
 use super::exact::{direction, variance_of_mean};
-use super::{Integrand, Reference, Regularity};
+use super::{Alignment, Integrand, Reference, Regularity};
 
 pub(super) const CONSTANT: IntegrandInfo = IntegrandInfo {
     name: "constant",
@@ -76,6 +76,18 @@ impl Integrand for Ramp {
     }
     fn regularity(&self) -> Regularity {
         if self.slope == 0.0 { Regularity::Constant } else { Regularity::Smooth }
+    }
+    fn regularity_on_torus(&self) -> Regularity {
+        if self.slope == 0.0 {
+            return Regularity::Constant;
+        }
+        Regularity::Discontinuous { discontinuity_dim: self.gradient.len() as f64 - 1.0 }
+    }
+    fn alignment(&self) -> Alignment {
+        Alignment::Additive
+    }
+    fn mean_square_gradient(&self) -> Option<f64> {
+        Some(self.slope * self.slope)
     }
     /// Within a stratum of side 1/k the variance is |a|²/(12 k²).
     fn exact_variance(&self, sampler: &str, n: u64) -> Option<f64> {

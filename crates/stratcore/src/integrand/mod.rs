@@ -65,10 +65,76 @@ pub trait Integrand: Sync {
         Regularity::Unknown
     }
 
+    /// The same where opposite faces of the cube are joined, as a torus shift joins them: a
+    /// smooth f that is not periodic jumps there.
+    fn regularity_on_torus(&self) -> Regularity {
+        match self.regularity() {
+            Regularity::Smooth => Regularity::Unknown,
+            Regularity::Discontinuous { discontinuity_dim } => Regularity::Discontinuous {
+                discontinuity_dim: discontinuity_dim.max(self.dim() as f64 - 1.0),
+            },
+            same => same,
+        }
+    }
+
+    /// How f lies to the axes.
+    fn alignment(&self) -> Alignment {
+        Alignment::General
+    }
+
+    /// ∫|∇f|² over the cube, where a closed form or quadrature gives it: the constant of
+    /// stratified sampling of a smooth f.
+    fn mean_square_gradient(&self) -> Option<f64> {
+        None
+    }
+
     /// The exact variance of the mean of `n` points of this sampler (unscrambled `random`, or
     /// `jittered` with n = k^d), where a closed form exists.
     fn exact_variance(&self, _sampler: &str, _n: u64) -> Option<f64> {
         None
+    }
+}
+
+/// An integrand is as good by reference.
+impl<I: Integrand + ?Sized> Integrand for &I {
+    fn dim(&self) -> usize {
+        (**self).dim()
+    }
+    fn axes(&self) -> Vec<String> {
+        (**self).axes()
+    }
+    fn eval(&self, point: &[f64]) -> f64 {
+        (**self).eval(point)
+    }
+    fn eval_block(&self, points: &[f64], values: &mut [f64]) {
+        (**self).eval_block(points, values);
+    }
+    fn trial_means(
+        &self,
+        sampler: &dyn Sampler,
+        set: &PointSet,
+        first_trial: u32,
+        means: &mut [f64],
+    ) -> bool {
+        (**self).trial_means(sampler, set, first_trial, means)
+    }
+    fn reference(&self) -> Option<Reference> {
+        (**self).reference()
+    }
+    fn regularity(&self) -> Regularity {
+        (**self).regularity()
+    }
+    fn regularity_on_torus(&self) -> Regularity {
+        (**self).regularity_on_torus()
+    }
+    fn alignment(&self) -> Alignment {
+        (**self).alignment()
+    }
+    fn mean_square_gradient(&self) -> Option<f64> {
+        (**self).mean_square_gradient()
+    }
+    fn exact_variance(&self, sampler: &str, n: u64) -> Option<f64> {
+        (**self).exact_variance(sampler, n)
     }
 }
 
@@ -95,4 +161,13 @@ pub enum Regularity {
     },
     /// Nothing is known.
     Unknown,
+}
+
+/// How an integrand lies to the axes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Alignment {
+    /// A sum of functions of one coordinate each; one of them may be all there is.
+    Additive,
+    /// Anything else, or not known.
+    General,
 }

@@ -34,6 +34,16 @@ fn legendre(degree: usize, x: f64) -> (f64, f64) {
     (here, degree as f64 * (x * here - before) / (x * x - 1.0))
 }
 
+/// ∫g over [0, 1]; `length` as in [`axis_moments`].
+pub(super) fn integral(length: f64, g: impl Fn(f64) -> f64) -> f64 {
+    let rule = gauss_legendre(12);
+    let panels = (1.0 / length).ceil().max(1.0);
+    (0..panels as u64)
+        .flat_map(|panel| rule.iter().map(move |(x, w)| ((panel as f64 + x) / panels, w / panels)))
+        .map(|(x, w)| w * g(x))
+        .sum()
+}
+
 /// Moments of `g` over the k strata of [0, 1]. `length` is how far `g` runs between features:
 /// longer strata are cut into panels no longer than that.
 pub(super) fn axis_moments(k: u64, length: f64, g: impl Fn(f64) -> f64) -> AxisMoments {

@@ -2,7 +2,7 @@
 
 use super::catalogue::{IntegrandInfo, MAX_DIM, ParamInfo};
 use super::exact::variance_of_mean;
-use super::{Integrand, Reference, Regularity};
+use super::{Alignment, Integrand, Reference, Regularity};
 use std::f64::consts::FRAC_1_SQRT_2;
 
 pub(super) const STEP: IntegrandInfo = IntegrandInfo {
@@ -40,6 +40,9 @@ impl Integrand for Step {
             return Regularity::Constant;
         }
         Regularity::Discontinuous { discontinuity_dim: self.dim as f64 - 1.0 }
+    }
+    fn alignment(&self) -> Alignment {
+        Alignment::Additive
     }
     /// One layer of k^(d-1) strata is cut, at the fraction q of its thickness.
     fn exact_variance(&self, sampler: &str, n: u64) -> Option<f64> {

@@ -16,7 +16,7 @@ use crate::error::StudyError;
 use crate::integrand::{Integrand, Regularity};
 use crate::rng::StreamKey;
 use crate::sampler::{CountPolicy, PointSet, Scramble};
-use crate::theory::{Class, predicted_exponent};
+use crate::theory::{Basis, Class, Subject, predict};
 use crate::trial::trial_means;
 use crate::variance::{Spread, spread};
 use rayon::prelude::*;
@@ -222,11 +222,15 @@ fn summarise(integrand: &dyn Integrand, choice: SamplerChoice, rows: Vec<Row>) -
             && fit.is_some_and(|fit| {
                 Class::of_exponent(fit.ci95[0], dim) == Class::of_exponent(fit.ci95[1], dim)
             });
-    let predicted = match integrand.regularity() {
-        Regularity::Unknown if name == "random" && !exact => Some(1.0),
-        Regularity::Unknown => class.and_then(|class| class.predicted_exponent(dim)),
-        known if plain || name == "random" => predicted_exponent(name, dim, known),
-        _ => None,
+    let known = predict(name, choice.scramble, &Subject::of(integrand)).filter(|_| !exact);
+    let of_class = || class.filter(|_| class_is_sure)?.predicted_exponent(dim);
+    let (predicted, predicted_from) = match known {
+        Some(law) => (Some(law.exponent), Some(Basis::Integrand)),
+        None if integrand.regularity() == Regularity::Unknown => {
+            let predicted = of_class();
+            (predicted, predicted.map(|_| Basis::Class))
+        }
+        None => (None, None),
     };
     SamplerResult {
         name,
@@ -237,6 +241,8 @@ fn summarise(integrand: &dyn Integrand, choice: SamplerChoice, rows: Vec<Row>) -
         class,
         class_is_sure,
         predicted,
+        predicted_from,
+        predicted_source: known.map(|law| law.source),
         rows,
     }
 }

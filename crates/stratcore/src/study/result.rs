@@ -3,7 +3,7 @@
 use crate::fit::{Fit, fit};
 use crate::integrand::Reference;
 use crate::sampler::Scramble;
-use crate::theory::Class;
+use crate::theory::{Basis, Class};
 use crate::variance::Spread;
 use serde::{Serialize, Serializer};
 
@@ -47,9 +47,13 @@ pub struct SamplerResult {
     pub class: Option<Class>,
     /// Whether the exponent's 95 % interval lies within its class.
     pub class_is_sure: bool,
-    /// The exponent that theory predicts: from the integrand's known regularity, otherwise
-    /// from the class.
+    /// The exponent that theory predicts: from what is known of the integrand, otherwise for
+    /// the class that was measured, if it is sure.
     pub predicted: Option<f64>,
+    /// Which of the two; none without a prediction.
+    pub predicted_from: Option<Basis>,
+    /// Where the law for the integrand was published.
+    pub predicted_source: Option<&'static str>,
 }
 
 /// The spread of M trial means at one N.

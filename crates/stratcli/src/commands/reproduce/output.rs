@@ -3,6 +3,7 @@
 use super::verdicts::verdicts;
 use crate::output::{self, AtomicFile};
 use crate::report::PlotFile;
+use crate::report::literature;
 use crate::report::page::{self, Figure};
 use crate::report::summary::Summary;
 use crate::report::svg::Svg;
@@ -22,9 +23,7 @@ impl Report {
     /// Makes the folder and writes the empty report there, so that an unwritable place is found
     /// before the work is done.
     pub fn create(folder: &Path, summary: Summary) -> Result<Self> {
-        fs::create_dir_all(folder.join("figures")).with_context(|| {
-            format!("cannot make the folder {}; choose another with --out", folder.display())
-        })?;
+        create_folder(folder)?;
         let mut report = Self { folder: folder.to_owned(), summary, figures: Vec::new() };
         report.write()?;
         Ok(report)
@@ -32,11 +31,7 @@ impl Report {
 
     /// Adds a figure: `figures/NAME.svg` and `.png` now, and its place in the page.
     pub fn figure(&mut self, name: &'static str, caption: String, svg: &Svg) -> Result<()> {
-        for ending in ["svg", "png"] {
-            let path = self.folder.join("figures").join(format!("{name}.{ending}"));
-            PlotFile::create(&path)?.commit(svg)?;
-        }
-        self.figures.push(Figure { name, caption, inline: svg.to_inline() });
+        self.figures.push(save_figure(&self.folder, name, caption, svg)?);
         self.summary.figures.push(name.to_owned());
         Ok(())
     }
@@ -44,18 +39,43 @@ impl Report {
     /// Writes the page and the numbers as they stand.
     pub fn write(&mut self) -> Result<()> {
         self.summary.verdicts = verdicts(&self.summary);
-        let page = page::render(&self.summary, &self.figures);
-        write(&self.folder.join("report.html"), page.as_bytes())?;
+        let mut page = page::render(&self.summary, &self.figures);
+        if self.folder.join(literature::PAGE).exists() {
+            page = page::with_link(&page, literature::PAGE, literature::TITLE);
+        }
+        write(&self.folder.join(page::NAME), page.as_bytes())?;
         let json = output::json(&self.summary)?;
         write(&self.folder.join("summary.json"), json.as_bytes())
     }
 
     /// Where the page is.
     pub fn page(&self) -> PathBuf {
-        self.folder.join("report.html")
+        self.folder.join(page::NAME)
     }
 }
 
-fn write(path: &Path, bytes: &[u8]) -> Result<()> {
+/// Makes the folder of a report, with its folder of figures.
+pub fn create_folder(folder: &Path) -> Result<()> {
+    fs::create_dir_all(folder.join("figures")).with_context(|| {
+        format!("cannot make the folder {}; choose another with --out", folder.display())
+    })
+}
+
+/// Writes `figures/NAME.svg` and `.png`, and returns the figure for the page.
+pub fn save_figure(
+    folder: &Path,
+    name: &'static str,
+    caption: String,
+    svg: &Svg,
+) -> Result<Figure> {
+    for ending in ["svg", "png"] {
+        let path = folder.join("figures").join(format!("{name}.{ending}"));
+        PlotFile::create(&path)?.commit(svg)?;
+    }
+    Ok(Figure { name, caption, inline: svg.to_inline() })
+}
+
+/// Writes a whole file or none.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     AtomicFile::create(path)?.commit(bytes)
 }

@@ -1,8 +1,7 @@
-//! Predicted exponents p of `variance_of_mean ~ C N^-p`.
+//! The paper's three kinds of pixel.
 //!
 //! Source: Mitchell 1996, "Theoretical analysis".
 
-use crate::integrand::Regularity;
 use serde::{Deserialize, Serialize};
 
 /// The paper's three kinds of pixel, by what jittered sampling makes of them.
@@ -62,36 +61,12 @@ impl std::fmt::Display for Class {
     }
 }
 
-/// The exponent that theory predicts for a sampler on an integrand of known regularity: 1 for
-/// `random`, min(1 + 2/d, 2 - k/d) for `jittered`; none where theory says nothing.
-pub fn predicted_exponent(sampler: &str, dim: usize, regularity: Regularity) -> Option<f64> {
-    let d = dim as f64;
-    match (sampler, regularity) {
-        (_, Regularity::Constant | Regularity::Unknown) => None,
-        ("random", _) => Some(1.0),
-        ("jittered", Regularity::Smooth) => Some(1.0 + 2.0 / d),
-        ("jittered", Regularity::Discontinuous { discontinuity_dim }) => {
-            Some((1.0 + 2.0 / d).min(2.0 - discontinuity_dim / d))
-        }
-        _ => None,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn the_papers_predictions() {
-        let edge = |dim, k| {
-            predicted_exponent("jittered", dim, Regularity::Discontinuous { discontinuity_dim: k })
-        };
-        assert_eq!(predicted_exponent("jittered", 2, Regularity::Smooth), Some(2.0));
-        assert_eq!(predicted_exponent("jittered", 1, Regularity::Smooth), Some(3.0));
-        assert_eq!(predicted_exponent("jittered", 4, Regularity::Smooth), Some(1.5));
-        assert_eq!(edge(2, 1.0), Some(1.5));
-        assert_eq!(edge(4, 3.0), Some(1.25));
-        assert_eq!(predicted_exponent("random", 7, Regularity::Smooth), Some(1.0));
+    fn a_predicted_exponent_is_of_its_class() {
         for class in [Class::Smooth, Class::Edge, Class::Complex] {
             for dim in 1..8 {
                 let p = class.predicted_exponent(dim).unwrap();
