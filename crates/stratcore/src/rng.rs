@@ -88,22 +88,65 @@ impl Stream {
 
     /// Two coordinates in [0, 1), multiples of 2^-48: pair number `index` of the stream.
     pub fn pair(&self, index: u64) -> [f64; 2] {
-        let [a, b, c] = self.draw(index);
-        let unit = |hi: u32, lo: u32| (u64::from(hi) << 16 | u64::from(lo)) as f64 * 2f64.powi(-48);
-        [unit(a, c & 0xffff), unit(b, c >> 16)]
+        unit_pair(self.draw(index))
+    }
+
+    /// The pairs to be written to `pairs`, row-major, fewer than 2^32 from index `first` on, in
+    /// two runs: the stream changes where the index outgrows 32 bits. With each run, its first
+    /// index and its draws.
+    pub(crate) fn runs<'a>(
+        &self,
+        first: u64,
+        pairs: &'a mut [f64],
+    ) -> [(u64, Draws, &'a mut [f64]); 2] {
+        let before = (1 << 32) - (first & 0xffff_ffff);
+        let split = usize::try_from(2 * before).unwrap_or(usize::MAX).min(pairs.len());
+        let (head, tail) = pairs.split_at_mut(split);
+        [(first, head), (first + before, tail)]
+            .map(|(first, run)| (first, Draws { arguments: self.arguments(first) }, run))
     }
 
     /// Three random words: draw number `index` of the stream.
     pub fn draw(&self, index: u64) -> [u32; 3] {
+        pcg3d(self.arguments(index))
+    }
+
+    #[inline(always)]
+    fn arguments(&self, index: u64) -> [u32; 3] {
         // An index beyond 32 bits moves to another stream; twice its high part stays even.
         let high = ((index >> 32) as u32).wrapping_mul(2);
-        pcg3d([index as u32, self.words[0], self.words[1].wrapping_add(high)])
+        [index as u32, self.words[0], self.words[1].wrapping_add(high)]
     }
 
     /// 64 random bits for a scramble or a permutation, independent of the draws.
     pub fn scramble_bits(&self) -> u64 {
         self.scramble
     }
+}
+
+/// Consecutive draws of a stream.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Draws {
+    arguments: [u32; 3],
+}
+
+impl Draws {
+    /// The pair of the first index plus `lane`.
+    #[inline(always)]
+    pub(crate) fn pair(self, lane: u32) -> [f64; 2] {
+        let [low, second, third] = self.arguments;
+        unit_pair(pcg3d([low.wrapping_add(lane), second, third]))
+    }
+}
+
+/// Two numbers of 48 bits from three words.
+#[inline(always)]
+fn unit_pair([a, b, c]: [u32; 3]) -> [f64; 2] {
+    // The bits of a number in [1, 2): cheaper to make than a whole number is to convert.
+    let unit = |hi: u32, lo: u32| {
+        f64::from_bits(0x3ff << 52 | u64::from(hi) << 20 | u64::from(lo) << 4) - 1.0
+    };
+    [unit(a, c & 0xffff), unit(b, c >> 16)]
 }
 
 /// Philox4x32-10: ten rounds, as published.

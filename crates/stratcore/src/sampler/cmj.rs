@@ -4,6 +4,7 @@ use super::hash::splitmix;
 use super::permutation::Permutation;
 use super::random::UniformPoints;
 use super::{BELOW_ONE, Jittered, Kind, PointSet, Points, Sampler, Scramble, strata_per_axis};
+use crate::simd::Isa;
 
 /// One point in each of the m × n cells of a grid and, at the same time, in each of the mn
 /// columns and mn rows. All columns of cells share one order of their rows' offsets, and all
@@ -69,8 +70,8 @@ struct MultiJitteredPoints {
 }
 
 impl Points for MultiJitteredPoints {
-    fn fill(&self, first: u64, points: &mut [f64]) {
-        self.offsets.fill(first, points);
+    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
+        self.offsets.fill_with(isa, first, points);
         let n = (self.columns * self.rows) as f64;
         let (mut column, mut row) = (first % self.columns, first / self.columns);
         for point in points.chunks_exact_mut(self.offsets.dim) {

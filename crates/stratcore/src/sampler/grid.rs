@@ -1,6 +1,7 @@
 //! The centres of a grid's cells: the deterministic set that jittering randomises.
 
 use super::{Jittered, Kind, PointSet, Points, Sampler, Scramble, strata_per_axis};
+use crate::simd::Isa;
 
 /// The centres of the cells of a k^d (or k₁ × … × k_d) grid. Under a torus shift all points
 /// move by one random vector: uniform jitter.
@@ -48,7 +49,7 @@ struct GridPoints {
 }
 
 impl Points for GridPoints {
-    fn fill(&self, first: u64, points: &mut [f64]) {
+    fn fill_with(&self, _isa: Isa, first: u64, points: &mut [f64]) {
         for (index, point) in (first..).zip(points.chunks_exact_mut(self.strata.len())) {
             let mut rest = index;
             for (x, &k) in point.iter_mut().zip(&self.strata) {

@@ -4,6 +4,7 @@ use super::hash::splitmix;
 use super::radical::{RadicalInverse, primes};
 use super::sobol::{MOST_POINTS, digital_neighbours};
 use super::{Kind, PointSet, Points, Sampler, Scramble};
+use crate::simd::Isa;
 use std::sync::OnceLock;
 
 /// Radical inverses of the index in the first d primes.
@@ -69,9 +70,9 @@ struct HaltonPoints {
 }
 
 impl Points for HaltonPoints {
-    fn fill(&self, first: u64, points: &mut [f64]) {
+    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
         for (axis, coordinates) in self.axes.iter().enumerate() {
-            coordinates.fill(first, points, axis, self.axes.len());
+            coordinates.fill(isa, first, points, axis, self.axes.len());
         }
     }
 }

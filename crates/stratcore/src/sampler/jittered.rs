@@ -2,6 +2,8 @@
 
 use super::random::UniformPoints;
 use super::{BELOW_ONE, Kind, PointSet, Points, Sampler, Scramble};
+use crate::rng::Stream;
+use crate::simd::{self, Divisor, Isa, Loop};
 
 /// One uniform point in each of the N = k^d cells of a grid, or of the k₁ × … × k_d cells of a
 /// rectangular one. Cells are numbered with the first coordinate running fastest.
@@ -83,6 +85,9 @@ pub(super) fn root_floor(n: u64, dim: usize) -> u64 {
         return n;
     }
     let Ok(dim) = u32::try_from(dim) else { return u64::from(n >= 1) };
+    if dim == 2 {
+        return n.isqrt();
+    }
     let mut k = (n as f64).powf(1.0 / f64::from(dim)).round() as u64;
     while k.checked_pow(dim).is_none_or(|power| power > n) {
         k -= 1;
@@ -99,8 +104,23 @@ struct JitteredPoints {
 }
 
 impl Points for JitteredPoints {
-    fn fill(&self, first: u64, points: &mut [f64]) {
-        self.offsets.fill(first, points);
+    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
+        match self.strata[..] {
+            [columns, rows] => {
+                let strata = [columns, rows].map(Divisor::new);
+                simd::run(isa, PlanarLoop { stream: self.offsets.stream, strata, first, points });
+            }
+            _ => {
+                self.offsets.fill_with(isa, first, points);
+                self.place(first, points);
+            }
+        }
+    }
+}
+
+impl JitteredPoints {
+    /// Moves points of the unit cube into their strata.
+    fn place(&self, first: u64, points: &mut [f64]) {
         for (index, point) in (first..).zip(points.chunks_exact_mut(self.strata.len())) {
             let mut rest = index;
             for (coordinate, &k) in point.iter_mut().zip(&self.strata) {
@@ -108,6 +128,29 @@ impl Points for JitteredPoints {
                 rest /= k;
                 // With 2^26 strata the last point can round up to 1.
                 *coordinate = ((cell as f64 + *coordinate) / k as f64).min(BELOW_ONE);
+            }
+        }
+    }
+}
+
+/// Two dimensions.
+struct PlanarLoop<'a> {
+    stream: Stream,
+    strata: [Divisor; 2],
+    first: u64,
+    points: &'a mut [f64],
+}
+
+impl Loop for PlanarLoop<'_> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let [columns, rows] = self.strata;
+        for (first, draws, run) in self.stream.runs(self.first, self.points) {
+            for (lane, point) in (0..u32::MAX).zip(run.chunks_exact_mut(2)) {
+                let [x, y] = draws.pair(lane);
+                let [row, column] = columns.div_rem(first as f64 + f64::from(lane));
+                point[0] = columns.divide::<FMA>(column + x).min(BELOW_ONE);
+                point[1] = rows.divide::<FMA>(row + y).min(BELOW_ONE);
             }
         }
     }

@@ -4,6 +4,7 @@ use super::hash::splitmix;
 use super::permutation::Permutation;
 use super::random::UniformPoints;
 use super::{BELOW_ONE, Kind, PointSet, Points, Sampler, Scramble};
+use crate::simd::Isa;
 
 /// N-rooks: along each axis the N points lie in N different slabs, paired at random between
 /// axes, each point uniform in its cell.
@@ -58,8 +59,8 @@ struct RooksPoints {
 }
 
 impl Points for RooksPoints {
-    fn fill(&self, first: u64, points: &mut [f64]) {
-        self.offsets.fill(first, points);
+    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
+        self.offsets.fill_with(isa, first, points);
         let n = self.n as f64;
         for (index, point) in (first..).zip(points.chunks_exact_mut(self.offsets.dim)) {
             let (x, others) = point.split_at_mut(1);

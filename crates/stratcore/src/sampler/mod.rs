@@ -7,6 +7,7 @@
 mod annealed;
 mod best_candidate;
 mod cmj;
+mod digital;
 mod file;
 mod grid;
 mod halton;
@@ -53,6 +54,7 @@ pub use zsobol::ZSobol;
 
 use crate::error::StudyError;
 use crate::rng::StreamKey;
+use crate::simd::Isa;
 use scramble::Shifted;
 
 /// Every sampler there is, in the order in which they are listed.
@@ -179,7 +181,11 @@ const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 pub trait Points {
     /// Overwrites `points`, row-major `[len, dim]`, with points `first .. first + len` of the
     /// set; every coordinate is in [0, 1).
-    fn fill(&self, first: u64, points: &mut [f64]);
+    fn fill(&self, first: u64, points: &mut [f64]) {
+        self.fill_with(Isa::detect(), first, points);
+    }
+    /// The same by an instruction set of choice: it changes no bit.
+    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]);
 }
 
 /// The count a sampler uses when asked for `n` points under a policy.

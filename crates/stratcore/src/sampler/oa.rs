@@ -5,6 +5,7 @@ use super::jittered::root_floor;
 use super::permutation::Permutation;
 use super::random::UniformPoints;
 use super::{BELOW_ONE, Kind, PointSet, Points, Sampler, Scramble};
+use crate::simd::Isa;
 
 /// N = p² points, p prime, in up to p + 1 dimensions: every pair of dimensions sees one point
 /// in each of its p × p cells, as correlated multi-jitter would, and every single dimension one
@@ -78,8 +79,8 @@ struct ArrayPoints {
 }
 
 impl Points for ArrayPoints {
-    fn fill(&self, first: u64, points: &mut [f64]) {
-        self.offsets.fill(first, points);
+    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
+        self.offsets.fill_with(isa, first, points);
         let p = self.p;
         let n = (p * p) as f64;
         let (mut row, mut column) = (first / p, first % p);

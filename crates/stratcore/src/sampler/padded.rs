@@ -4,7 +4,7 @@ use super::hash::splitmix;
 use super::owen::levels;
 use super::permutation::Permutation;
 use super::sobol::{MOST_POINTS, digital_neighbours};
-use super::zero_two::ZeroTwo;
+use super::zero_two::{Order, PaddedPoints, ZeroTwo};
 use super::{Kind, PointSet, Points, Sampler, Scramble};
 
 /// Two dimensions at a time from the (0,2)-sequence of Sobol', each pair scrambled on its own
@@ -50,28 +50,13 @@ impl Sampler for Padded {
         let pair = |pair| {
             let key = splitmix(bits, pair);
             // The first pair keeps its order: the set is the same.
-            let order = (pair > 0).then(|| Permutation::new(n, splitmix(key, u64::MAX)));
-            (order, ZeroTwo::new(set.scramble, key, levels(n), n, set.dim))
+            let order = match pair {
+                0 => Order::Kept,
+                _ => Order::Permuted(Permutation::new(n, splitmix(key, u64::MAX))),
+            };
+            ZeroTwo::new(set.scramble, key, levels(n), 0, order)
         };
         let pairs = (0..set.dim.div_ceil(2) as u64).map(pair).collect();
         Box::new(PaddedPoints { pairs, dim: set.dim })
-    }
-}
-
-struct PaddedPoints {
-    pairs: Vec<(Option<Permutation>, ZeroTwo)>,
-    dim: usize,
-}
-
-impl Points for PaddedPoints {
-    fn fill(&self, first: u64, points: &mut [f64]) {
-        for (pair, (order, sequence)) in self.pairs.iter().enumerate() {
-            for (index, point) in (first..).zip(points.chunks_exact_mut(self.dim)) {
-                let index = order.as_ref().map_or(index, |order| order.get(index));
-                for (x, value) in point[2 * pair..].iter_mut().zip(sequence.point(index)) {
-                    *x = value;
-                }
-            }
-        }
     }
 }

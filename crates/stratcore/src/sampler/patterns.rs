@@ -3,6 +3,7 @@
 use super::hash::splitmix;
 use super::memo::Memo;
 use super::{PointSet, Points};
+use crate::simd::Isa;
 use std::sync::Arc;
 
 /// Different patterns of one kind, size and dimension.
@@ -33,7 +34,7 @@ pub(super) struct StoredPoints {
 }
 
 impl Points for StoredPoints {
-    fn fill(&self, first: u64, points: &mut [f64]) {
+    fn fill_with(&self, _isa: Isa, first: u64, points: &mut [f64]) {
         let at = first as usize * self.dim;
         points.copy_from_slice(&self.points[at..at + points.len()]);
     }

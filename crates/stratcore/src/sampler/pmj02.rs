@@ -1,6 +1,7 @@
 //! Progressive multi-jittered (0,2)-sequences.
 
-use super::sobol::{Columns, DigitalPoints, MOST_POINTS, digital_neighbours};
+use super::digital::{Columns, DigitalPoints};
+use super::sobol::{MOST_POINTS, digital_neighbours};
 use super::{Kind, PointSet, Points, Sampler, Scramble};
 
 /// Progressive multi-jittered (0,2) points: every prefix of 2^m points is stratified in all
@@ -51,7 +52,7 @@ impl Sampler for Pmj02 {
     }
 }
 
-const MATRICES: [Columns; 2] = [stirling_columns(0), stirling_columns(1)];
+static MATRICES: [Columns; 2] = [stirling_columns(0), stirling_columns(1)];
 
 /// Column c has s(c + offset, k + offset) modulo 2 as digit k.
 const fn stirling_columns(offset: usize) -> Columns {
@@ -61,7 +62,7 @@ const fn stirling_columns(offset: usize) -> Columns {
     let mut n = 0;
     while n < 32 + offset {
         if n >= offset {
-            columns[n - offset] = ((row >> offset) as u32).reverse_bits();
+            columns[n - offset] = (row >> offset) as u32;
         }
         row = row << 1 ^ if n % 2 == 1 { row } else { 0 };
         n += 1;

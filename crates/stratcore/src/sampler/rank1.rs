@@ -2,6 +2,7 @@
 
 use super::memo::Memo;
 use super::{BELOW_ONE, Kind, PointSet, Points, Sampler, Scramble};
+use crate::simd::Isa;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -125,7 +126,7 @@ struct LatticePoints {
 }
 
 impl Points for LatticePoints {
-    fn fill(&self, first: u64, points: &mut [f64]) {
+    fn fill_with(&self, _isa: Isa, first: u64, points: &mut [f64]) {
         let dim = self.generator.len();
         for (axis, z) in self.generator.iter().enumerate() {
             let mut residue = first % self.n * z % self.n;

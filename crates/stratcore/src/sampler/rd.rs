@@ -3,6 +3,7 @@
 use super::hash::unit;
 use super::{Kind, PointSet, Points, Sampler, Scramble};
 use crate::rng::StreamKey;
+use crate::simd::Isa;
 
 /// Multiples of a fixed vector modulo 1: (φ^-1, φ^-2, …, φ^-d), where φ solves φ^(d+1) = φ + 1,
 /// from the centre of the cube on. In one dimension φ is the golden ratio, in two the plastic
@@ -71,7 +72,7 @@ struct KroneckerPoints {
 }
 
 impl Points for KroneckerPoints {
-    fn fill(&self, first: u64, points: &mut [f64]) {
+    fn fill_with(&self, _isa: Isa, first: u64, points: &mut [f64]) {
         const CENTRE: u64 = 1 << 63;
         for (index, point) in (first..).zip(points.chunks_exact_mut(self.steps.len())) {
             for (x, step) in point.iter_mut().zip(&self.steps) {

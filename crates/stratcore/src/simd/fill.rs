@@ -1,0 +1,86 @@
+//! Loops that fill arrays, compiled once for each instruction set.
+//!
+//! A sampler writes its loop once, on plain arrays and integers; here the compiler makes
+//! vectors of it, under the target features that the machine has. There is no other version:
+//! every operation is an integer's or a single IEEE one, so all instruction sets give the same
+//! bits.
+
+use super::{Isa, Kind};
+
+/// Lanes of a block: samplers make so many points at a time. A multiple of every vector's
+/// length, and small enough for the first-level cache.
+pub(crate) const BLOCK: usize = 64;
+
+/// A loop to be compiled for each instruction set.
+pub(crate) trait Loop {
+    /// The loop. It and what it calls must be `inline(always)`, or they are compiled without
+    /// the instruction set. `FMA`: [`f64::mul_add`] is one instruction.
+    fn run<const FMA: bool>(self);
+}
+
+/// Runs a loop in the form compiled for an instruction set.
+pub(crate) fn run(isa: Isa, body: impl Loop) {
+    match isa.0 {
+        Kind::Baseline => body.run::<false>(),
+        // SAFETY: `Kind::Avx2` is made by `Isa::available` alone, which saw the features.
+        #[cfg(target_arch = "x86_64")]
+        Kind::Avx2 => unsafe { run_avx2(body) },
+        // SAFETY: `Kind::Avx512` likewise.
+        #[cfg(target_arch = "x86_64")]
+        Kind::Avx512 => unsafe { run_avx512(body) },
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn run_avx2(body: impl Loop) {
+    body.run::<true>();
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512vl,avx512dq,avx2,fma")]
+fn run_avx512(body: impl Loop) {
+    body.run::<true>();
+}
+
+/// Division by a whole number below 2^51, rounded as `/` rounds it, without the divider where
+/// there is a fused multiply-add.
+///
+/// With y = 1/k rounded, q = a·y is within two units in the last place of a/k; r = a - q·k is
+/// exact, and q + r·y rounded once is the quotient: a/k is no midpoint of two numbers and at
+/// least 1/2k units away from the nearest one, a million times the error left in r·y (Markstein,
+/// *Computation of Elementary Functions on the IBM RISC System/6000*, 1990).
+#[derive(Clone, Copy)]
+pub(crate) struct Divisor {
+    k: f64,
+    reciprocal: f64,
+}
+
+impl Divisor {
+    pub(crate) fn new(k: u64) -> Self {
+        debug_assert!(k < 1 << 51);
+        Self { k: k as f64, reciprocal: 1.0 / k as f64 }
+    }
+
+    /// `a / k` for a ≥ 0 that is zero or at least 2^-900.
+    #[inline(always)]
+    pub(crate) fn divide<const FMA: bool>(self, a: f64) -> f64 {
+        if FMA {
+            let q = a * self.reciprocal;
+            let r = (-q).mul_add(self.k, a);
+            r.mul_add(self.reciprocal, q)
+        } else {
+            a / self.k
+        }
+    }
+
+    /// Quotient and remainder of a whole number `index` < 2^50.
+    #[inline(always)]
+    pub(crate) fn div_rem(self, index: f64) -> [f64; 2] {
+        /// Added and taken away again, it rounds to a whole number.
+        const ROUND: f64 = (3u64 << 51) as f64;
+        // Centred between whole numbers: the product's error, 2^-52 of it, does not reach them.
+        let quotient = (index + 0.5) * self.reciprocal - 0.5 + ROUND - ROUND;
+        [quotient, index - quotient * self.k]
+    }
+}
