@@ -12,6 +12,7 @@
 //!   operations per point, which lets eight or sixteen points be drawn at once.
 
 use crate::error::StudyError;
+use crate::simd::BLOCK;
 
 /// Names one stream of random numbers: same key, same numbers, on any thread.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -131,11 +132,32 @@ pub(crate) struct Draws {
 }
 
 impl Draws {
-    /// The pair of the first index plus `lane`.
+    /// The pairs of a block: of the first index plus `lane ..`, at least `len` of them. The
+    /// words are drawn first, in vectors of twice as many lanes as numbers have.
     #[inline(always)]
-    pub(crate) fn pair(self, lane: u32) -> [f64; 2] {
+    pub(crate) fn block(self, lane: u32, len: usize) -> Block {
         let [low, second, third] = self.arguments;
-        unit_pair(pcg3d([low.wrapping_add(lane), second, third]))
+        let mut words = [[0; BLOCK]; 3];
+        let [a, b, c] = &mut words;
+        // Whole vectors leave no rest.
+        let len = len.next_multiple_of(16).min(BLOCK);
+        let lanes = (0..u32::MAX).zip(a[..len].iter_mut().zip(b).zip(c));
+        for (i, ((a, b), c)) in lanes {
+            [*a, *b, *c] = pcg3d([low.wrapping_add(lane).wrapping_add(i), second, third]);
+        }
+        Block(words)
+    }
+}
+
+/// Draws of a block of indices: all first words, all second, all third.
+pub(crate) struct Block([[u32; BLOCK]; 3]);
+
+impl Block {
+    /// Their pairs, in order.
+    #[inline(always)]
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = [f64; 2]> {
+        let [a, b, c] = &self.0;
+        a.iter().zip(b).zip(c).map(|((a, b), c)| unit_pair([*a, *b, *c]))
     }
 }
 

@@ -3,7 +3,7 @@
 use super::random::UniformPoints;
 use super::{BELOW_ONE, Kind, PointSet, Points, Sampler, Scramble};
 use crate::rng::Stream;
-use crate::simd::{self, Divisor, Isa, Loop};
+use crate::simd::{self, BLOCK, Divisor, Isa, Loop};
 
 /// One uniform point in each of the N = k^d cells of a grid, or of the k₁ × … × k_d cells of a
 /// rectangular one. Cells are numbered with the first coordinate running fastest.
@@ -146,11 +146,15 @@ impl Loop for PlanarLoop<'_> {
     fn run<const FMA: bool>(self) {
         let [columns, rows] = self.strata;
         for (first, draws, run) in self.stream.runs(self.first, self.points) {
-            for (lane, point) in (0..u32::MAX).zip(run.chunks_exact_mut(2)) {
-                let [x, y] = draws.pair(lane);
-                let [row, column] = columns.div_rem(first as f64 + f64::from(lane));
-                point[0] = columns.divide::<FMA>(column + x).min(BELOW_ONE);
-                point[1] = rows.divide::<FMA>(row + y).min(BELOW_ONE);
+            for (lane, run) in (0..u32::MAX).step_by(BLOCK).zip(run.chunks_mut(2 * BLOCK)) {
+                let block = draws.block(lane, run.len() / 2);
+                let base = (first + u64::from(lane)) as f64;
+                let points = run.chunks_exact_mut(2).zip(block.pairs());
+                for (lane, (point, [x, y])) in (0..BLOCK as u32).zip(points) {
+                    let [row, column] = columns.div_rem::<FMA>(base + f64::from(lane));
+                    point[0] = columns.divide::<FMA>(column + x).min(BELOW_ONE);
+                    point[1] = rows.divide::<FMA>(row + y).min(BELOW_ONE);
+                }
             }
         }
     }

@@ -84,8 +84,11 @@ impl Loop for PairLoop<'_> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         for (_, draws, run) in self.stream.runs(self.first, self.pairs) {
-            for (lane, pair) in (0..u32::MAX).zip(run.chunks_exact_mut(2)) {
-                pair.copy_from_slice(&draws.pair(lane));
+            for (lane, run) in (0..u32::MAX).step_by(BLOCK).zip(run.chunks_mut(2 * BLOCK)) {
+                let block = draws.block(lane, run.len() / 2);
+                for (pair, drawn) in run.chunks_exact_mut(2).zip(block.pairs()) {
+                    pair.copy_from_slice(&drawn);
+                }
             }
         }
     }

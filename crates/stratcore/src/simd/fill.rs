@@ -76,11 +76,17 @@ impl Divisor {
 
     /// Quotient and remainder of a whole number `index` < 2^50.
     #[inline(always)]
-    pub(crate) fn div_rem(self, index: f64) -> [f64; 2] {
+    pub(crate) fn div_rem<const FMA: bool>(self, index: f64) -> [f64; 2] {
         /// Added and taken away again, it rounds to a whole number.
         const ROUND: f64 = (3u64 << 51) as f64;
-        // Centred between whole numbers: the product's error, 2^-52 of it, does not reach them.
-        let quotient = (index + 0.5) * self.reciprocal - 0.5 + ROUND - ROUND;
+        // (index + 1/2)/k - 1/2 is at least 1/2k away from where rounding changes.
+        let offset = 0.5 * self.reciprocal - 0.5;
+        let centred = if FMA {
+            index.mul_add(self.reciprocal, offset)
+        } else {
+            index * self.reciprocal + offset
+        };
+        let quotient = centred + ROUND - ROUND;
         [quotient, index - quotient * self.k]
     }
 }
