@@ -1,5 +1,13 @@
 //! The command line as it is typed: words only; [`plan`](crate::plan) gives them meaning.
 
+mod discrepancy;
+mod points;
+mod spectrum;
+
+pub use discrepancy::DiscrepancyArgs;
+pub use points::{PointFormat, PointsArgs};
+pub use spectrum::SpectrumArgs;
+
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -40,7 +48,7 @@ pub struct Common {
 pub enum Command {
     /// The paper: every figure and number on ray-traced scenes, as report.html
     Reproduce(ReproduceArgs),
-    /// The picture of a scene: one jittered estimate per pixel
+    /// The picture of a scene: one estimate per pixel
     Render(RenderArgs),
     /// What a scene holds, what its pixels integrate over, and what theory predicts
     Inspect(InspectArgs),
@@ -48,6 +56,12 @@ pub enum Command {
     Pixel(PixelArgs),
     /// The same study of an integrand whose mean is known
     Integrand(IntegrandArgs),
+    /// A sampler's point sets, as text or as a picture
+    Points(PointsArgs),
+    /// How badly point sets misjudge the size of half-planes and boxes, against N
+    Discrepancy(DiscrepancyArgs),
+    /// At which frequencies the power of point sets, or of a picture's error, lies
+    Spectrum(SpectrumArgs),
     /// Names that can be typed, each with one line of help
     List(ListArgs),
     /// A completion script for a shell
@@ -78,9 +92,12 @@ pub struct ReproduceArgs {
 pub struct RenderArgs {
     /// A scene file, an .obj, or a built-in scene (see `stratcli list scenes`)
     pub scene: String,
-    /// Samples per pixel; a square number fills a square of strata
+    /// Samples per pixel; a square number fills a square of jittered strata
     #[arg(long, value_name = "N", default_value_t = 16)]
     pub spp: u64,
+    /// Where the samples lie, a scramble after a plus sign (see `stratcli list samplers`)
+    #[arg(long, value_name = "S", default_value = "jittered")]
+    pub sampler: String,
     /// Where to write: .png (8-bit sRGB) or .exr (32-bit linear RGB)
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,

@@ -37,6 +37,15 @@ pub fn print_json(body: impl Serialize) -> Result<()> {
     print(&json(body)?)
 }
 
+/// One line of CSV; a cell with a comma, a quote or a line's end is quoted (RFC 4180).
+pub fn csv_line(cells: &[String]) -> String {
+    let cell = |cell: &String| match cell.contains([',', '"', '\n', '\r']) {
+        true => format!("\"{}\"", cell.replace('"', "\"\"")),
+        false => cell.clone(),
+    };
+    cells.iter().map(cell).collect::<Vec<_>>().join(",") + "\n"
+}
+
 /// Writes one line to standard error. Where nobody listens there, nobody is told.
 pub fn note(text: &str) {
     let _ = writeln!(io::stderr(), "{}", on_one_line(text));
@@ -112,6 +121,12 @@ mod tests {
         AtomicFile::create(&path).unwrap().commit(b"whole").unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "whole");
         assert_eq!(entries(), 1);
+    }
+
+    #[test]
+    fn csv_quotes_what_it_must() {
+        let cells = ["a", "file:x,y.csv", "say \"b\"", ""].map(str::to_owned);
+        assert_eq!(csv_line(&cells), "a,\"file:x,y.csv\",\"say \"\"b\"\"\",\n");
     }
 
     #[test]

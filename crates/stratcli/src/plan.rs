@@ -5,32 +5,48 @@ use anyhow::{Context, Result, bail, ensure};
 use serde::Serialize;
 use std::fmt;
 use std::str::FromStr;
-use stratcore::StudyResult;
 use stratcore::counts::parse_counts;
-use stratcore::sampler::CountPolicy;
+use stratcore::sampler::{CountPolicy, Scramble};
 use stratcore::study::{SamplerChoice, StudyPlan};
+use stratcore::{StudyError, StudyResult};
 
 /// The plan of a study of an integrand with `dim` dimensions.
 pub fn study_plan(args: &StudyArgs, common: &Common, dim: usize) -> Result<StudyPlan> {
     Ok(StudyPlan {
-        samplers: args
-            .samplers
-            .iter()
-            .map(|name| SamplerChoice::named(name.trim()))
-            .collect::<Result<_, _>>()
-            .context("--samplers")?,
+        samplers: samplers(&args.samplers, None)?,
         counts: match &args.counts {
             Some(text) => parse_counts(text).context("--counts")?,
             None => default_counts(dim)?,
         },
-        count_policy: match args.n_policy {
-            NPolicy::Error => CountPolicy::Error,
-            NPolicy::Snap => CountPolicy::Snap,
-            NPolicy::Rect => CountPolicy::Rect,
-        },
+        count_policy: args.n_policy.into(),
         n_trials: args.trials,
         seed: common.seed,
     })
+}
+
+impl From<NPolicy> for CountPolicy {
+    fn from(policy: NPolicy) -> Self {
+        match policy {
+            NPolicy::Error => Self::Error,
+            NPolicy::Snap => Self::Snap,
+            NPolicy::Rect => Self::Rect,
+        }
+    }
+}
+
+/// `--samplers A,B+owen`, and a scramble for those that name none.
+pub fn samplers(names: &[String], scramble: Option<&str>) -> Result<Vec<SamplerChoice>> {
+    let scramble = scramble.map(str::parse::<Scramble>).transpose().context("--scramble")?;
+    let choice = |name: &String| {
+        let name = name.trim();
+        let named = name.rsplit_once('+').is_some_and(|(_, s)| s.parse::<Scramble>().is_ok());
+        let choice = SamplerChoice::named(name)?;
+        Ok(SamplerChoice {
+            scramble: scramble.filter(|_| !named).unwrap_or(choice.scramble),
+            ..choice
+        })
+    };
+    names.iter().map(choice).collect::<Result<_, StudyError>>().context("--samplers")
 }
 
 /// The paper's counts in two dimensions (1, 4, …, 256) and in four (1, 16, …, 10,000). In any
@@ -61,6 +77,18 @@ fn pair<T: FromStr>(text: &str, separator: char) -> Option<[T; 2]> {
 pub fn pixel(text: &str) -> Result<[u32; 2]> {
     pair(text, ',').with_context(|| {
         format!("--at {text}: not a pixel; write two whole numbers X,Y, counted from 0,0 at the top-left")
+    })
+}
+
+/// `--axes I,J`: two different dimensions of `dim`.
+pub fn axes(text: &str, dim: usize) -> Result<[usize; 2]> {
+    let axes = pair::<usize>(text, ',').filter(|[i, j]| i != j && *i < dim && *j < dim);
+    axes.with_context(|| {
+        format!(
+            "--axes {text}: not two different dimensions of points in {dim}; write I,J, each from \
+             0 to {}",
+            dim.saturating_sub(1)
+        )
     })
 }
 
@@ -154,6 +182,23 @@ mod tests {
     }
 
     #[test]
+    fn a_scramble_is_for_those_that_name_none() {
+        let names = ["sobol".to_owned(), "sobol+owen".to_owned(), " halton".to_owned()];
+        let scrambles = |scramble| -> Vec<_> {
+            samplers(&names, scramble).unwrap().iter().map(|c| c.scramble.name()).collect()
+        };
+        let default = scrambles(None)[0];
+        assert_eq!(scrambles(Some("none")), ["none", "owen", "none"]);
+        assert_eq!(scrambles(None)[..2], [default, "owen"]);
+        let error = |names: &[&str], scramble| {
+            let names: Vec<_> = names.iter().map(|name| (*name).to_owned()).collect();
+            format!("{:#}", samplers(&names, scramble).err().unwrap())
+        };
+        assert!(error(&["random"], Some("ovens")).contains("--scramble"));
+        assert!(error(&["sobel"], None).contains("--samplers"));
+    }
+
+    #[test]
     fn words_are_read_or_refused_with_the_way_out() {
         assert_eq!(pixel("12, 34").unwrap(), [12, 34]);
         for text in ["", "12", "-1,2", "1,2,3", "a,b", "1.5,2", "4294967296,0"] {
@@ -162,6 +207,10 @@ mod tests {
         assert_eq!(parameter("c=0.5").unwrap(), ("c".to_owned(), 0.5));
         for text in ["", "c", "c=", "c=x"] {
             assert!(parameter(text).unwrap_err().to_string().contains("name=value"), "{text}");
+        }
+        assert_eq!(axes("2, 0", 3).unwrap(), [2, 0]);
+        for text in ["", "0", "0,0", "0,3", "-1,0", "0,1,2"] {
+            assert!(axes(text, 3).unwrap_err().to_string().contains("from 0 to 2"), "{text}");
         }
         let expectation: Expectation = "1.5:0.1".parse().unwrap();
         assert_eq!(expectation, Expectation { exponent: 1.5, tolerance: 0.1 });

@@ -1,9 +1,10 @@
 //! Results as text for people: columns, numbers, and the sentences below a table.
 
+use crate::report::spectrum::{SamplerSpectrum, Spectra};
 use std::fmt::Write;
 use stratcore::StudyResult;
 use stratcore::fit::Fit;
-use stratcore::study::{Row, SamplerResult};
+use stratcore::study::{Discrepancies, Row, SamplerResult};
 use stratcore::theory::Class;
 
 /// Which side of a column its cells stand at.
@@ -82,6 +83,91 @@ pub fn study(title: &str, result: &StudyResult) -> String {
         text += &rows(&sampler.rows);
         text += &reading(sampler);
     }
+    text
+}
+
+/// Discrepancies: a table for each sampler and measure.
+pub fn discrepancies(result: &Discrepancies) -> String {
+    let Discrepancies { dim, seed, trials, .. } = result;
+    let mut text =
+        format!("discrepancy of up to {trials} point sets at each N, d = {dim}, seed {seed}\n");
+    for curve in &result.curves {
+        let (sampler, measure) = (curve.sampler, curve.measure);
+        let _ = write!(
+            text,
+            "\n{sampler} (scramble: {}), {}: {}\n",
+            curve.scramble,
+            measure.name(),
+            measure.summary()
+        );
+        let snapped = curve.rows.iter().any(|row| row.n_used != row.n);
+        let mean_square = if measure.is_l2() { "mean square" } else { "" };
+        let mut table = vec![vec!["N", "N used", "sets", "mean", "± std error", mean_square]];
+        if !snapped {
+            table[0].remove(1);
+        }
+        let mut table: Vec<Vec<String>> =
+            table.iter().map(|row| row.iter().map(ToString::to_string).collect()).collect();
+        for row in &curve.rows {
+            let mut cells = vec![row.n.to_string()];
+            if snapped {
+                cells.push(row.n_used.to_string());
+            }
+            cells.push(row.trials.to_string());
+            cells.push(number(row.mean, 5));
+            cells.push(row.std_error.map_or("-".to_owned(), |error| number(error, 2)));
+            cells.extend(row.mean_sq.map(|mean| number(mean, 5)));
+            table.push(cells);
+        }
+        text += &columns(Align::Right, &table);
+        text += &match &curve.fit {
+            Some(fit) => format!(
+                "  mean ~ N^-p: p = {} (95 %: {:.3} to {:.3}), N = {} to {}\n",
+                with_error(fit.exponent, fit.std_error),
+                fit.ci95[0],
+                fit.ci95[1],
+                fit.n_min,
+                fit.n_max
+            ),
+            None => "  no fit: it needs two different N with more than one set each\n".to_owned(),
+        };
+    }
+    text
+}
+
+/// Spectra: the radial means of all samplers side by side, at about twenty frequencies.
+pub fn spectra(spectra: &Spectra) -> String {
+    const SHOWN: usize = 20;
+    let mut text = format!("{}, seed {}\n", spectra.title, spectra.seed);
+    if let Some(spp) = spectra.reference_spp {
+        let _ = writeln!(text, "reference: jittered, about {spp} spp");
+    }
+    for sampler in &spectra.samplers {
+        let SamplerSpectrum { name, scramble, n_used, trials, mse, rings, .. } = sampler;
+        let _ =
+            write!(text, "\n{name} (scramble: {scramble}), N = {n_used}, {trials} periodograms");
+        let _ = match mse {
+            Some(mse) => writeln!(text, ", mean square error {}", number(*mse, 4)),
+            None => writeln!(text),
+        };
+        let header = ["frequency", "power", "± std error", "anisotropy, dB"];
+        let mut table = vec![header.map(str::to_owned).to_vec()];
+        for ring in rings.iter().step_by(rings.len().div_ceil(SHOWN).max(1)) {
+            table.push(vec![
+                number(ring.frequency, 4),
+                number(ring.power, 4),
+                number(ring.std_error, 2),
+                format!("{:.1}", ring.anisotropy_db),
+            ]);
+        }
+        text += &columns(Align::Right, &table);
+    }
+    let _ = writeln!(
+        text,
+        "\nfrequency in {}; power 1 is white noise; anisotropy of a spectrum that is the same in \
+         all directions: -10 log10(periodograms) dB",
+        spectra.unit
+    );
     text
 }
 

@@ -120,6 +120,34 @@ pub enum StudyError {
         /// The largest value allowed.
         limit: u64,
     },
+    /// A discrepancy's name that does not exist.
+    #[error("no discrepancy is called \"{name}\"; there are {known}")]
+    UnknownMeasure {
+        /// The name as typed.
+        name: String,
+        /// Names that exist.
+        known: String,
+    },
+    /// A discrepancy that is defined in another dimension.
+    #[error("the {measure} discrepancy is that of points in {needs} dimensions, not {dim}")]
+    MeasureNeedsDim {
+        /// Name of the discrepancy.
+        measure: &'static str,
+        /// Dimensions it is defined for.
+        needs: usize,
+        /// Dimensions asked for.
+        dim: usize,
+    },
+    /// A point set that does not fit in memory.
+    #[error("{n} points in {dim} dimensions are too many to hold at once, {limit} coordinates")]
+    TooManyCoordinates {
+        /// Points asked for.
+        n: u64,
+        /// Dimensions asked for.
+        dim: usize,
+        /// The most coordinates.
+        limit: u64,
+    },
     /// The caller asked to stop.
     #[error("cancelled")]
     Cancelled,

@@ -22,7 +22,7 @@ pub struct Fit {
     pub n_max: u64,
     /// Rows in the fit: those with a variance above zero.
     pub points: usize,
-    /// Σ (residual² / Var ln s²); about `points - 2` where one slope describes the rows.
+    /// Σ (residual² / Var ln value); about `points - 2` where one slope describes the rows.
     pub chi2: f64,
 }
 
@@ -40,10 +40,16 @@ impl Fit {
 /// Σ (xᵢ - x̄)² vᵢ / (Σ (xᵢ - x̄)²)². For M = 50 normal trials at N = 1, 4, …, 256 that is
 /// 0.033².
 pub fn fit<'a>(rows: impl IntoIterator<Item = (u64, &'a Spread)>) -> Option<Fit> {
+    power_law(rows.into_iter().map(|(n, s)| (n, s.variance_of_mean, s.var_ln)))
+}
+
+/// The same line through any quantity that falls as a power of N: rows (N, value, variance of
+/// ln value). Rows whose value is not above zero have no logarithm and stay out.
+pub fn power_law(rows: impl IntoIterator<Item = (u64, f64, f64)>) -> Option<Fit> {
     let rows: Vec<_> = rows
         .into_iter()
-        .filter(|(_, s)| s.variance_of_mean > 0.0)
-        .map(|(n, s)| (n, (n as f64).ln(), s.variance_of_mean.ln(), s.var_ln))
+        .filter(|(_, value, _)| *value > 0.0)
+        .map(|(n, value, var_ln)| (n, (n as f64).ln(), value.ln(), var_ln))
         .collect();
     let count = rows.len() as f64;
     let x_mean = rows.iter().map(|r| r.1).sum::<f64>() / count;

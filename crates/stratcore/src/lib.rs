@@ -12,6 +12,7 @@
 
 pub mod beam;
 pub mod counts;
+pub mod discrepancy;
 pub mod error;
 pub mod fit;
 pub mod integrand;
@@ -19,6 +20,7 @@ pub mod rng;
 pub mod sampler;
 pub mod scene;
 pub mod simd;
+pub mod spectrum;
 pub mod study;
 pub mod theory;
 pub mod trace;

@@ -1,12 +1,15 @@
 //! One file per command. Each reads its words, lets the library work, and writes the result.
 
 mod completions;
+mod discrepancy;
 mod inspect;
 mod integrand;
 mod list;
 mod pixel;
+mod points;
 mod render;
 mod reproduce;
+mod spectrum;
 mod study;
 
 use crate::cli::{Cli, Command, Common};
@@ -47,6 +50,9 @@ pub fn run(cli: &Cli) -> Result<Outcome> {
         Command::Inspect(args) => inspect::run(args, common),
         Command::Integrand(args) => integrand::run(args, common),
         Command::Pixel(args) => pixel::run(args, common),
+        Command::Points(args) => points::run(args, common),
+        Command::Discrepancy(args) => discrepancy::run(args, common),
+        Command::Spectrum(args) => spectrum::run(args, common),
         Command::List(args) => list::run(args, common),
         Command::Completions(args) => completions::run(args, common),
     })

@@ -5,10 +5,12 @@ use crate::cli::{Common, RenderArgs};
 use crate::output::{self, AtomicFile};
 use crate::picture::Format;
 use crate::progress::Progress;
-use anyhow::{Result, ensure};
+use crate::report::chart::label;
+use anyhow::{Context, Result, ensure};
 use serde::Serialize;
 use std::path::Path;
-use stratcore::study::render;
+use stratcore::sampler::Scramble;
+use stratcore::study::{SamplerChoice, render};
 use stratcore::trace::TracedScene;
 
 /// How a picture was made; an EXR carries it with it.
@@ -18,6 +20,7 @@ struct Provenance<'a> {
     width: u32,
     height: u32,
     sampler: &'static str,
+    scramble: Scramble,
     spp: u64,
     exposure: f64,
     seed: u64,
@@ -41,6 +44,7 @@ pub fn run(args: &RenderArgs, common: &Common) -> Result<Outcome> {
         (-MOST_STOPS..=MOST_STOPS).contains(&exposure),
         "--exposure {exposure}: not a finite number of stops from -{MOST_STOPS} to {MOST_STOPS}"
     );
+    let choice = SamplerChoice::named(&args.sampler).context("--sampler")?;
     let scene = super::load(&args.scene, common)?;
     let [width, height] = scene.camera.resolution;
     ensure!(
@@ -55,7 +59,7 @@ pub fn run(args: &RenderArgs, common: &Common) -> Result<Outcome> {
     let samples = spp.saturating_mul(u64::from(width) * u64::from(height));
     let traced = TracedScene::new(scene);
     let progress = Progress::new("rendering", samples, common);
-    let mut picture = render(&traced, spp, common.seed, progress.control())?;
+    let mut picture = render(&traced, choice, spp, common.seed, progress.control())?;
     drop(progress);
 
     let gain = exposure.exp2();
@@ -63,16 +67,18 @@ pub fn run(args: &RenderArgs, common: &Common) -> Result<Outcome> {
         *value *= gain;
     }
     let seed = common.seed;
+    let (sampler, scramble) = (choice.sampler.name(), choice.scramble);
     let provenance =
-        Provenance { scene: &name, width, height, sampler: "jittered", spp, exposure, seed };
+        Provenance { scene: &name, width, height, sampler, scramble, spp, exposure, seed };
     let comments = serde_json::to_string(&provenance)?;
     file.commit(&format.encode([width, height], &picture.pixels, &comments)?)?;
     if common.json {
         output::print_json(Rendered { output, provenance })?;
     } else {
         output::print(&format!(
-            "{}: {name}, {width} × {height} pixels, jittered at {spp} spp, seed {seed}\n",
-            output.display()
+            "{}: {name}, {width} × {height} pixels, {} at {spp} spp, seed {seed}\n",
+            output.display(),
+            label(sampler, scramble),
         ))?;
     }
     Ok(Outcome::Done)

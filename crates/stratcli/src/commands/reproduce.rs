@@ -24,7 +24,7 @@ use output::Report;
 use stratcore::StudyError;
 use stratcore::integrand::Integrand as _;
 use stratcore::scene::Channel;
-use stratcore::study::{StudyPlan, render};
+use stratcore::study::{SamplerChoice, StudyPlan, render};
 use stratcore::trace::TracedScene;
 
 /// Pixels per axis of the lattice that `--quick` studies.
@@ -123,7 +123,7 @@ fn picture(report: &mut Report, scene: &TracedScene, seed: u64, common: &Common)
     let size = scene.scene().camera.resolution;
     let samples = u64::from(size[0]) * u64::from(size[1]) * PICTURE_SPP;
     let progress = Progress::new("picture", samples, common);
-    let image = render(scene, PICTURE_SPP, seed, progress.control())?;
+    let image = render(scene, SamplerChoice::JITTERED, PICTURE_SPP, seed, progress.control())?;
     let photo = Raster::from_linear(size, &image.pixels);
     let title = format!("The picture: {}", scene.scene().name);
     let caption = format!(

@@ -46,12 +46,25 @@ impl Style {
     }
 }
 
+/// Styles of samplers in one figure: their own, unless one of them is there twice.
+pub fn styles(names: &[&str]) -> Vec<Style> {
+    let twice = names.iter().enumerate().any(|(i, name)| names[..i].contains(name));
+    let style =
+        |(i, name): (usize, &&str)| if twice { Style::nth(i) } else { Style::of_sampler(name) };
+    names.iter().enumerate().map(style).collect()
+}
+
+/// A sampler with its scramble, if it has one: `sobol (owen)`.
+pub fn label(sampler: &str, scramble: Scramble) -> String {
+    match scramble {
+        Scramble::None => sampler.to_owned(),
+        _ => format!("{sampler} ({scramble})"),
+    }
+}
+
 /// What the legend says of one sampler: `jittered p = 1.49 ± 0.03`, with one standard error.
 pub fn legend(sampler: &SamplerResult) -> String {
-    let mut text = sampler.name.to_owned();
-    if sampler.scramble != Scramble::None {
-        text += &format!(" ({})", sampler.scramble);
-    }
+    let mut text = label(sampler.name, sampler.scramble);
     if sampler.exact {
         return text + " exact: variance 0 at every N";
     }
@@ -108,12 +121,13 @@ pub fn convergence_into(svg: &mut Svg, area: Rect, result: &StudyResult) {
     }
 }
 
-fn bounds(values: impl Iterator<Item = f64>) -> [f64; 2] {
+/// Least and largest of values above zero.
+pub(super) fn bounds(values: impl Iterator<Item = f64>) -> [f64; 2] {
     values.fold([f64::INFINITY, 0.0], |[lo, hi], v| [lo.min(v), hi.max(v)])
 }
 
 /// Powers of ten of a range with a margin: a share of its length, or of half a decade.
-fn widen([lo, hi]: [f64; 2], share: f64) -> [f64; 2] {
+pub(super) fn widen([lo, hi]: [f64; 2], share: f64) -> [f64; 2] {
     let margin = share * (hi - lo).max(0.5);
     [lo - margin, hi + margin].map(|v| 10f64.powf(v))
 }

@@ -2,12 +2,15 @@
 
 pub mod axis;
 pub mod chart;
+pub mod discrepancy;
 pub mod gain;
 pub mod histogram;
 pub mod page;
 pub mod picture;
+pub mod points;
 pub mod raster;
 pub mod sides;
+pub mod spectrum;
 pub mod summary;
 pub mod svg;
 

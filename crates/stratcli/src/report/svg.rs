@@ -128,6 +128,13 @@ impl Svg {
         );
     }
 
+    /// A filled disc.
+    pub fn disc(&mut self, [x, y]: [f64; 2], radius: f64, colour: &str) {
+        self.push(format_args!(
+            r#"<circle cx="{x:.2}" cy="{y:.2}" r="{radius:.2}" fill="{colour}"/>"#
+        ));
+    }
+
     /// A marker centred at a point.
     pub fn marker(&mut self, [x, y]: [f64; 2], marker: Marker, colour: &str) {
         let polygon = |points: &[[f64; 2]]| {

@@ -1,7 +1,7 @@
 //! Best-candidate patterns.
 
 use super::hash::{splitmix, unit};
-use super::patterns::{TorusGrid, pattern};
+use super::patterns::{PATTERNS, TorusGrid, pattern};
 use super::{Kind, PointSet, Points, Sampler, Scramble};
 
 /// Each point is the one, of a number of candidates that grows with the points there are, that
@@ -40,6 +40,9 @@ impl Sampler for BestCandidate {
     }
     fn is_randomised(&self, scramble: Scramble) -> bool {
         scramble != Scramble::None
+    }
+    fn most_trials(&self, _n: u64, scramble: Scramble) -> u32 {
+        if scramble == Scramble::None { PATTERNS } else { u32::MAX }
     }
     fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
         (1..=MOST).contains(&n)

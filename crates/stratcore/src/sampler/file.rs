@@ -131,8 +131,13 @@ impl PointFile {
         self.sets.iter().filter(move |set| (set.len() / self.dim) as u64 == n)
     }
 
-    fn counts(&self) -> impl Iterator<Item = u64> {
-        self.sets.iter().map(|set| (set.len() / self.dim) as u64)
+    /// The different N of its sets, in ascending order.
+    pub fn counts(&self) -> Vec<u64> {
+        let mut counts: Vec<_> =
+            self.sets.iter().map(|set| (set.len() / self.dim) as u64).collect();
+        counts.sort_unstable();
+        counts.dedup();
+        counts
     }
 }
 
@@ -262,11 +267,12 @@ impl Sampler for PointFile {
         }
     }
     fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
-        self.counts().any(|count| count == n)
+        self.counts().contains(&n)
     }
     fn neighbours(&self, n: u64, _dim: usize) -> (Option<u64>, Option<u64>) {
-        let below = self.counts().filter(|count| *count < n).max();
-        (below, self.counts().filter(|count| *count > n).min())
+        let counts = self.counts();
+        let below = counts.iter().rfind(|count| **count < n);
+        (below.copied(), counts.iter().find(|count| **count > n).copied())
     }
     fn construct(&self, set: &PointSet) -> Box<dyn Points> {
         let n = set.key.n_samples;
@@ -369,6 +375,7 @@ mod tests {
         );
         assert!(file.admits(2, 2, false) && !file.admits(3, 2, false));
         assert_eq!(file.neighbours(5, 2), (Some(2), None));
+        assert_eq!(file.counts(), [1, 2]);
         for (trial, expected) in
             [(0, [0.1, 0.2]), (1, [0.3, 0.4]), (2, [0.9, 0.95]), (3, [0.1, 0.2])]
         {

@@ -223,27 +223,33 @@ pub fn count_used(
     Err(StudyError::CountNotAdmitted { sampler: sampler.name(), dim, n, neighbours })
 }
 
+/// Refuses a scramble that the sampler does not take.
+///
+/// # Errors
+/// [`StudyError::ScrambleNotSupported`].
+pub fn check_scramble(sampler: &dyn Sampler, scramble: Scramble) -> Result<(), StudyError> {
+    if sampler.scrambles().contains(&scramble) {
+        return Ok(());
+    }
+    let choices = names(sampler.scrambles().iter());
+    Err(StudyError::ScrambleNotSupported { sampler: sampler.name(), scramble, choices })
+}
+
 /// Refuses a scramble that the sampler does not take, and a set whose repeats are identical.
 ///
 /// # Errors
 /// [`StudyError::ScrambleNotSupported`], [`StudyError::Deterministic`].
 pub fn check(sampler: &dyn Sampler, scramble: Scramble) -> Result<(), StudyError> {
-    let choices = || {
-        let usable = sampler.scrambles().iter().filter(|s| sampler.is_randomised(**s));
-        usable.map(ToString::to_string).collect::<Vec<_>>().join(", ")
-    };
-    let name = sampler.name();
-    if !sampler.scrambles().contains(&scramble) {
-        return Err(StudyError::ScrambleNotSupported {
-            sampler: name,
-            scramble,
-            choices: choices(),
-        });
+    check_scramble(sampler, scramble)?;
+    if sampler.is_randomised(scramble) {
+        return Ok(());
     }
-    if !sampler.is_randomised(scramble) {
-        return Err(StudyError::Deterministic { sampler: name, choices: choices() });
-    }
-    Ok(())
+    let choices = names(sampler.scrambles().iter().filter(|s| sampler.is_randomised(**s)));
+    Err(StudyError::Deterministic { sampler: sampler.name(), choices })
+}
+
+fn names<'a>(scrambles: impl Iterator<Item = &'a Scramble>) -> String {
+    scrambles.map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }
 
 /// Refuses more trials of `n` points than there are different sets.
@@ -261,6 +267,26 @@ pub fn check_trials(
         return Err(StudyError::TooFewSets { sampler: sampler.name(), n, sets, trials });
     }
     Ok(())
+}
+
+/// Most coordinates of a set that is held whole: two gibibytes.
+pub const MAX_COORDINATES: u64 = 1 << 28;
+
+/// Every point of a set, row-major `[N, dim]`. `set` has passed [`check_scramble`] and its N is
+/// admissible.
+///
+/// # Errors
+/// [`StudyError::TooManyCoordinates`], [`StudyError::Unaddressable`].
+pub fn whole_set(sampler: &dyn Sampler, set: &PointSet) -> Result<Vec<f64>, StudyError> {
+    let (n, dim) = (set.key.n_samples, set.dim);
+    let coordinates = n.saturating_mul(dim as u64);
+    if coordinates > MAX_COORDINATES {
+        return Err(StudyError::TooManyCoordinates { n, dim, limit: MAX_COORDINATES });
+    }
+    set.key.check()?;
+    let mut points = vec![0.0; coordinates as usize];
+    sampler.points(set).fill(0, &mut points);
+    Ok(points)
 }
 
 #[cfg(test)]

@@ -7,9 +7,9 @@ use crate::simd::Isa;
 use std::sync::Arc;
 
 /// Different patterns of one kind, size and dimension.
-const CLASSES: u64 = 4;
+pub(super) const PATTERNS: u32 = 4;
 
-/// The pattern of this set. There are [`CLASSES`] of them; trial t under seed s takes number
+/// The pattern of this set. There are [`PATTERNS`] of them; trial t under seed s takes number
 /// (s + t) modulo that many. A torus shift of its own for each trial makes the estimates of
 /// trials with the same pattern independent and unbiased.
 ///
@@ -21,7 +21,7 @@ pub(super) fn pattern(
 ) -> Box<dyn Points> {
     static MADE: Memo<(u8, u64, usize, u64), f64> = Memo::new();
     let n = set.key.n_samples;
-    let class = set.key.seed.wrapping_add(set.key.trial.into()) % CLASSES;
+    let class = set.key.seed.wrapping_add(set.key.trial.into()) % u64::from(PATTERNS);
     let key = splitmix(sampler.into(), class);
     let points = MADE.get((sampler, n, set.dim, class), || make(n as usize, set.dim, key));
     Box::new(StoredPoints { points, dim: set.dim })

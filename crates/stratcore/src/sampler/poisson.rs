@@ -1,7 +1,7 @@
 //! Poisson-disk patterns with an exact number of points.
 
 use super::hash::{splitmix, unit};
-use super::patterns::{TorusGrid, pattern};
+use super::patterns::{PATTERNS, TorusGrid, pattern};
 use super::{Kind, PointSet, Points, Sampler, Scramble};
 
 /// Uniform points on the torus, none nearer to another than a radius. The radius starts at that
@@ -39,6 +39,9 @@ impl Sampler for Poisson {
     }
     fn is_randomised(&self, scramble: Scramble) -> bool {
         scramble != Scramble::None
+    }
+    fn most_trials(&self, _n: u64, scramble: Scramble) -> u32 {
+        if scramble == Scramble::None { PATTERNS } else { u32::MAX }
     }
     fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
         (1..=MOST).contains(&n)

@@ -1,12 +1,16 @@
 //! The experiment: pixels × samplers × N × M. The only module that owns threads.
 
+mod discrepancy;
 mod picture;
 mod plan;
 mod result;
+mod spectrum;
 
+pub use discrepancy::{Discrepancies, DiscrepancyCurve, DiscrepancyRow, discrepancies};
 pub use picture::{Image, render};
 pub use plan::{SamplerChoice, StudyPlan};
 pub use result::{Row, SamplerResult, StudyResult};
+pub use spectrum::{ErrorPlan, ErrorSpectrum, error_spectra, point_spectrum};
 
 use crate::error::StudyError;
 use crate::integrand::{Integrand, Regularity};

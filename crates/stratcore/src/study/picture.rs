@@ -1,9 +1,9 @@
 //! Pictures of a scene.
 
-use super::Control;
+use super::{Control, SamplerChoice};
 use crate::error::StudyError;
 use crate::rng::StreamKey;
-use crate::sampler::{Jittered, PointSet, Sampler, Scramble};
+use crate::sampler::{self, CountPolicy, PointSet};
 use crate::scene::Rgb;
 use crate::trace::TracedScene;
 use rayon::prelude::*;
@@ -20,31 +20,37 @@ pub struct Image {
     pub pixels: Vec<Rgb>,
 }
 
-/// The picture of a scene: the mean radiance of each pixel over `spp` jittered points, in a
-/// grid as nearly square as `spp` allows. Progress is counted in samples.
+/// The picture of a scene: the mean radiance of each pixel over `spp` points of a sampler.
+/// Jittered points fill a grid as nearly square as `spp` allows. Progress is counted in samples.
 ///
 /// # Errors
 /// [`StudyError::EmptyPlan`] for no samples; [`StudyError::Unaddressable`] for too many;
+/// [`StudyError::CountNotAdmitted`], [`StudyError::ScrambleNotSupported`];
 /// [`StudyError::Cancelled`].
 pub fn render(
     scene: &TracedScene,
+    choice: SamplerChoice,
     spp: u64,
     seed: u64,
     control: Control<'_>,
 ) -> Result<Image, StudyError> {
+    const DIM: usize = 2;
     if spp == 0 {
         return Err(StudyError::EmptyPlan("samples"));
     }
+    sampler::check_scramble(choice.sampler, choice.scramble)?;
+    sampler::count_used(choice.sampler, spp, DIM, CountPolicy::Rect)?;
     let [width, height] = scene.scene().camera.resolution;
-    let key = |x, y| {
-        let sampler = Jittered.stream_id();
-        StreamKey { seed, pixel: [x, y], sampler, n_samples: spp, trial: 0 }
+    let set = |x, y| {
+        let sampler = choice.sampler.stream_id();
+        let key = StreamKey { seed, pixel: [x, y], sampler, n_samples: spp, trial: 0 };
+        PointSet { key, dim: DIM, scramble: choice.scramble, rectangular: true }
     };
-    key(width.saturating_sub(1), height.saturating_sub(1)).check()?;
+    set(width.saturating_sub(1), height.saturating_sub(1)).key.check()?;
     let rows: Vec<Vec<Rgb>> = (0..height)
         .into_par_iter()
         .map(|y| {
-            let pixel = |x| mean_radiance(scene, key(x, y), control);
+            let pixel = |x| mean_radiance(scene, choice, &set(x, y), control);
             (0..width).map(pixel).collect()
         })
         .collect();
@@ -55,14 +61,18 @@ pub fn render(
 }
 
 /// Whatever is there when cancelled.
-fn mean_radiance(scene: &TracedScene, key: StreamKey, control: Control<'_>) -> Rgb {
+fn mean_radiance(
+    scene: &TracedScene,
+    choice: SamplerChoice,
+    set: &PointSet,
+    control: Control<'_>,
+) -> Rgb {
     /// Points at a time.
     const BLOCK: u64 = 512;
-    let set = PointSet { key, dim: 2, scramble: Scramble::None, rectangular: true };
-    let source = Jittered.points(&set);
+    let source = choice.sampler.points(set);
     let camera = &scene.scene().camera;
-    let frame = camera.pixel(key.pixel);
-    let n = key.n_samples;
+    let frame = camera.pixel(set.key.pixel);
+    let n = set.key.n_samples;
     let mut points = [0.0; 2 * BLOCK as usize];
     let mut sum = [0.0; 3];
     for first in (0..n).step_by(BLOCK as usize) {
@@ -97,12 +107,17 @@ mod tests {
     fn threads_change_no_bit() {
         let scene = small();
         let picture = |threads| {
-            with_threads(Some(threads), || render(&scene, 5, 7, Control::unwatched()).unwrap())
+            with_threads(Some(threads), || {
+                render(&scene, SamplerChoice::JITTERED, 5, 7, Control::unwatched()).unwrap()
+            })
         };
         let one = picture(1);
         assert_eq!((one.width, one.height, one.pixels.len()), (24, 16, 24 * 16));
         assert_eq!(one, picture(2));
-        assert_ne!(one, render(&scene, 5, 8, Control::unwatched()).unwrap());
+        assert_ne!(
+            one,
+            render(&scene, SamplerChoice::JITTERED, 5, 8, Control::unwatched()).unwrap()
+        );
     }
 
     #[test]
@@ -114,17 +129,25 @@ mod tests {
             count.fetch_add(n, Ordering::Relaxed);
         };
         let control = Control { cancel: &cancel, progress: &progress, clock: None };
-        render(&scene, 600, 1, control).unwrap();
+        render(&scene, SamplerChoice::JITTERED, 600, 1, control).unwrap();
         assert_eq!(count.load(Ordering::Relaxed), 600 * 24 * 16);
         cancel.store(true, Ordering::Relaxed);
-        assert_eq!(render(&scene, 600, 1, control), Err(StudyError::Cancelled));
+        assert_eq!(
+            render(&scene, SamplerChoice::JITTERED, 600, 1, control),
+            Err(StudyError::Cancelled)
+        );
     }
 
     #[test]
     fn sample_counts_out_of_range_are_refused() {
         let scene = small();
+        let refused = |choice, spp| {
+            assert!(render(&scene, choice, spp, 1, Control::unwatched()).is_err(), "{spp}");
+        };
         for spp in [0, 1 << 44] {
-            assert!(render(&scene, spp, 1, Control::unwatched()).is_err());
+            refused(SamplerChoice::JITTERED, spp);
         }
+        refused(SamplerChoice::named("zsobol").unwrap(), 6);
+        refused(SamplerChoice::named("jittered+owen").unwrap(), 4);
     }
 }

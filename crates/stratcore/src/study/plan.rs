@@ -1,7 +1,7 @@
 //! What is to be measured.
 
 use crate::error::StudyError;
-use crate::sampler::{self, CountPolicy, Sampler, Scramble};
+use crate::sampler::{self, CountPolicy, Jittered, Sampler, Scramble};
 
 /// A study in words: samplers × sample counts × trials.
 #[derive(Clone)]
@@ -28,6 +28,9 @@ pub struct SamplerChoice {
 }
 
 impl SamplerChoice {
+    /// The paper's stratified sampling.
+    pub const JITTERED: Self = Self { sampler: &Jittered, scramble: Scramble::None };
+
     /// A sampler by name, with its default scramble (`sobol`) or a named one
     /// (`sobol+owen-hash`).
     ///
