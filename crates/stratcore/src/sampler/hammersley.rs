@@ -4,7 +4,7 @@ use super::halton::{BASES, radical_inverses};
 use super::hash::splitmix;
 use super::radical::{FractionLoop, RadicalInverse, Tail};
 use super::sobol::{MOST_POINTS, digital_neighbours};
-use super::{Kind, PointSet, Points, Sampler, Scramble};
+use super::{Facts, Kind, PointSet, Points, Sampler, Scramble};
 use crate::simd::{self, BLOCK, Divisor, Isa};
 
 /// i/N and the Halton sequence in d - 1 dimensions. Scrambles work on the digits of the latter
@@ -13,29 +13,22 @@ use crate::simd::{self, BLOCK, Divisor, Isa};
 pub struct Hammersley;
 
 impl Sampler for Hammersley {
-    fn name(&self) -> &'static str {
-        "hammersley"
-    }
-    fn summary(&self) -> &'static str {
-        "Hammersley set: i/N beside d - 1 radical inverses"
-    }
-    fn source(&self) -> &'static str {
-        "Hammersley 1960; digit scrambles: Owen 1995, Matousek 1998"
-    }
-    fn stream_id(&self) -> u8 {
-        6
-    }
-    fn kind(&self) -> Kind {
-        Kind::Set
-    }
-    fn max_dim(&self) -> usize {
-        BASES + 1
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        &[Scramble::Owen, Scramble::DigitPermutation, Scramble::TorusShift, Scramble::None]
-    }
-    fn is_randomised(&self, scramble: Scramble) -> bool {
-        scramble != Scramble::None
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "hammersley",
+            summary: "Hammersley set: i/N beside d - 1 radical inverses",
+            source: "Hammersley 1960; digit scrambles: Owen 1995, Matousek 1998",
+            stream_id: 6,
+            kind: Kind::Set,
+            max_dim: BASES + 1,
+            scrambles: &[
+                Scramble::Owen,
+                Scramble::DigitPermutation,
+                Scramble::TorusShift,
+                Scramble::None,
+            ],
+            is_random: false,
+        }
     }
     fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
         (1..=MOST_POINTS).contains(&n)

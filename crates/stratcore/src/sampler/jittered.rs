@@ -1,7 +1,7 @@
 //! One point per cell of a grid: the paper's stratified sampling.
 
 use super::random::UniformPoints;
-use super::{BELOW_ONE, Kind, PointSet, Points, Sampler, Scramble};
+use super::{BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble};
 use crate::rng::Stream;
 use crate::simd::{self, BLOCK, Divisor, Isa, Loop};
 
@@ -11,29 +11,17 @@ use crate::simd::{self, BLOCK, Divisor, Isa, Loop};
 pub struct Jittered;
 
 impl Sampler for Jittered {
-    fn name(&self) -> &'static str {
-        "jittered"
-    }
-    fn summary(&self) -> &'static str {
-        "one uniform point in each cell of a k^d grid (stratified sampling)"
-    }
-    fn source(&self) -> &'static str {
-        "Cook, Porter & Carpenter 1984; Mitchell 1996"
-    }
-    fn stream_id(&self) -> u8 {
-        1
-    }
-    fn kind(&self) -> Kind {
-        Kind::Set
-    }
-    fn max_dim(&self) -> usize {
-        usize::MAX
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        &[Scramble::None, Scramble::TorusShift]
-    }
-    fn is_randomised(&self, _scramble: Scramble) -> bool {
-        true
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "jittered",
+            summary: "one uniform point in each cell of a k^d grid (stratified sampling)",
+            source: "Cook, Porter & Carpenter 1984; Mitchell 1996",
+            stream_id: 1,
+            kind: Kind::Set,
+            max_dim: usize::MAX,
+            scrambles: &[Scramble::None, Scramble::TorusShift],
+            is_random: true,
+        }
     }
     fn admits(&self, n: u64, dim: usize, rectangular: bool) -> bool {
         n >= 1 && (rectangular || root_floor(n, dim).checked_pow(dim as u32) == Some(n))

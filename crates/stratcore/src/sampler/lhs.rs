@@ -3,7 +3,7 @@
 use super::hash::splitmix;
 use super::permutation::Permutation;
 use super::random::UniformPoints;
-use super::{BELOW_ONE, Kind, PointSet, Points, Sampler, Scramble};
+use super::{BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble};
 use crate::simd::Isa;
 
 /// N-rooks: along each axis the N points lie in N different slabs, paired at random between
@@ -12,29 +12,17 @@ use crate::simd::Isa;
 pub struct LatinHypercube;
 
 impl Sampler for LatinHypercube {
-    fn name(&self) -> &'static str {
-        "lhs"
-    }
-    fn summary(&self) -> &'static str {
-        "Latin hypercube (N-rooks): stratified along every single axis"
-    }
-    fn source(&self) -> &'static str {
-        "McKay, Beckman & Conover 1979; Shirley 1991"
-    }
-    fn stream_id(&self) -> u8 {
-        3
-    }
-    fn kind(&self) -> Kind {
-        Kind::Set
-    }
-    fn max_dim(&self) -> usize {
-        usize::MAX
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        &[Scramble::None, Scramble::TorusShift]
-    }
-    fn is_randomised(&self, _scramble: Scramble) -> bool {
-        true
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "lhs",
+            summary: "Latin hypercube (N-rooks): stratified along every single axis",
+            source: "McKay, Beckman & Conover 1979; Shirley 1991",
+            stream_id: 3,
+            kind: Kind::Set,
+            max_dim: usize::MAX,
+            scrambles: &[Scramble::None, Scramble::TorusShift],
+            is_random: true,
+        }
     }
     fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
         n >= 1

@@ -5,7 +5,7 @@ use super::owen::levels;
 use super::permutation::Permutation;
 use super::sobol::{MOST_POINTS, digital_neighbours};
 use super::zero_two::{Order, PaddedPoints, ZeroTwo};
-use super::{Kind, PointSet, Points, Sampler, Scramble};
+use super::{Facts, Kind, PointSet, Points, Sampler, Scramble};
 
 /// Two dimensions at a time from the (0,2)-sequence of Sobol', each pair scrambled on its own
 /// and put in a random order of its own. Every pair is as good as the first; nothing is
@@ -14,29 +14,22 @@ use super::{Kind, PointSet, Points, Sampler, Scramble};
 pub struct Padded;
 
 impl Sampler for Padded {
-    fn name(&self) -> &'static str {
-        "padded"
-    }
-    fn summary(&self) -> &'static str {
-        "(0,2)-sequences padded: 2-D Sobol' pairs, each in a random order"
-    }
-    fn source(&self) -> &'static str {
-        "Kollig & Keller 2002; Burley 2020"
-    }
-    fn stream_id(&self) -> u8 {
-        9
-    }
-    fn kind(&self) -> Kind {
-        Kind::Set
-    }
-    fn max_dim(&self) -> usize {
-        usize::MAX
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        &[Scramble::Owen, Scramble::OwenHash, Scramble::XorShift, Scramble::TorusShift]
-    }
-    fn is_randomised(&self, _scramble: Scramble) -> bool {
-        true
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "padded",
+            summary: "(0,2)-sequences padded: 2-D Sobol' pairs, each in a random order",
+            source: "Kollig & Keller 2002; Burley 2020",
+            stream_id: 9,
+            kind: Kind::Set,
+            max_dim: usize::MAX,
+            scrambles: &[
+                Scramble::Owen,
+                Scramble::OwenHash,
+                Scramble::XorShift,
+                Scramble::TorusShift,
+            ],
+            is_random: true,
+        }
     }
     fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
         (1..=MOST_POINTS).contains(&n)

@@ -1,6 +1,6 @@
 //! Uniform independent points: the paper's `O(1/N)` baseline.
 
-use super::{Kind, PointSet, Points, Sampler, Scramble};
+use super::{Facts, Kind, PointSet, Points, Sampler, Scramble};
 use crate::rng::Stream;
 use crate::simd::{self, BLOCK, Isa, Loop};
 
@@ -9,29 +9,17 @@ use crate::simd::{self, BLOCK, Isa, Loop};
 pub struct Random;
 
 impl Sampler for Random {
-    fn name(&self) -> &'static str {
-        "random"
-    }
-    fn summary(&self) -> &'static str {
-        "uniform independent points"
-    }
-    fn source(&self) -> &'static str {
-        "Mitchell 1996; any text on Monte Carlo"
-    }
-    fn stream_id(&self) -> u8 {
-        0
-    }
-    fn kind(&self) -> Kind {
-        Kind::Sequence
-    }
-    fn max_dim(&self) -> usize {
-        usize::MAX
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        &[Scramble::None, Scramble::TorusShift]
-    }
-    fn is_randomised(&self, _scramble: Scramble) -> bool {
-        true
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "random",
+            summary: "uniform independent points",
+            source: "Mitchell 1996; any text on Monte Carlo",
+            stream_id: 0,
+            kind: Kind::Sequence,
+            max_dim: usize::MAX,
+            scrambles: &[Scramble::None, Scramble::TorusShift],
+            is_random: true,
+        }
     }
     fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
         n >= 1

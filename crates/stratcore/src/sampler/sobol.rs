@@ -1,7 +1,7 @@
 //! Sobol' points with the direction numbers of Joe & Kuo.
 
 use super::digital::{Columns, DigitalPoints};
-use super::{Kind, PointSet, Points, Sampler, Scramble};
+use super::{Facts, Kind, PointSet, Points, Sampler, Scramble};
 use std::sync::OnceLock;
 
 /// Sobol' sequence in up to 1,024 dimensions, from its first point on.
@@ -9,36 +9,24 @@ use std::sync::OnceLock;
 pub struct Sobol;
 
 impl Sampler for Sobol {
-    fn name(&self) -> &'static str {
-        "sobol"
-    }
-    fn summary(&self) -> &'static str {
-        "Sobol' sequence (Joe-Kuo directions); best at N = 2^m"
-    }
-    fn source(&self) -> &'static str {
-        "Sobol' 1967; Joe & Kuo 2008; scrambles: Owen 1995, Matousek 1998, Burley 2020"
-    }
-    fn stream_id(&self) -> u8 {
-        8
-    }
-    fn kind(&self) -> Kind {
-        Kind::Sequence
-    }
-    fn max_dim(&self) -> usize {
-        DIMENSIONS
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        &[
-            Scramble::Owen,
-            Scramble::OwenHash,
-            Scramble::LmsShift,
-            Scramble::XorShift,
-            Scramble::TorusShift,
-            Scramble::None,
-        ]
-    }
-    fn is_randomised(&self, scramble: Scramble) -> bool {
-        scramble != Scramble::None
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "sobol",
+            summary: "Sobol' sequence (Joe-Kuo directions); best at N = 2^m",
+            source: "Sobol' 1967; Joe & Kuo 2008; scrambles: Owen 1995, Matousek 1998, Burley 2020",
+            stream_id: 8,
+            kind: Kind::Sequence,
+            max_dim: DIMENSIONS,
+            scrambles: &[
+                Scramble::Owen,
+                Scramble::OwenHash,
+                Scramble::LmsShift,
+                Scramble::XorShift,
+                Scramble::TorusShift,
+                Scramble::None,
+            ],
+            is_random: false,
+        }
     }
     fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
         (1..=MOST_POINTS).contains(&n)

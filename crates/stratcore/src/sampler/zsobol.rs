@@ -3,7 +3,7 @@
 use super::hash::{below, splitmix};
 use super::owen::{NestedUniform, levels};
 use super::zero_two::{Order, PaddedPoints, ZeroTwo};
-use super::{Kind, PointSet, Points, Sampler, Scramble};
+use super::{Facts, Kind, PointSet, Points, Sampler, Scramble};
 use crate::rng::StreamKey;
 
 /// A (0,2)-sequence dealt out to pixels in Z-order, N consecutive points to each. Every aligned
@@ -23,29 +23,17 @@ const MOST_BITS: u32 = 24;
 const QUAD_LEVELS: u32 = StreamKey::MAX_PIXEL.trailing_zeros();
 
 impl Sampler for ZSobol {
-    fn name(&self) -> &'static str {
-        "zsobol"
-    }
-    fn summary(&self) -> &'static str {
-        "(0,2)-sequence dealt to pixels in shuffled Z-order: blue-noise error on screen"
-    }
-    fn source(&self) -> &'static str {
-        "Ahmed & Wonka 2020"
-    }
-    fn stream_id(&self) -> u8 {
-        16
-    }
-    fn kind(&self) -> Kind {
-        Kind::Set
-    }
-    fn max_dim(&self) -> usize {
-        usize::MAX
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        &[Scramble::OwenHash, Scramble::Owen, Scramble::TorusShift]
-    }
-    fn is_randomised(&self, _scramble: Scramble) -> bool {
-        true
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "zsobol",
+            summary: "(0,2)-sequence dealt to pixels in shuffled Z-order: blue-noise error on screen",
+            source: "Ahmed & Wonka 2020",
+            stream_id: 16,
+            kind: Kind::Set,
+            max_dim: usize::MAX,
+            scrambles: &[Scramble::OwenHash, Scramble::Owen, Scramble::TorusShift],
+            is_random: true,
+        }
     }
     fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
         n.is_power_of_two() && n <= 1 << MOST_BITS
