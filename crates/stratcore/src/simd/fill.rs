@@ -90,3 +90,42 @@ impl Divisor {
         [quotient, index - quotient * self.k]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::{RngExt, SeedableRng};
+    use rand_xoshiro::Xoshiro256PlusPlus;
+
+    /// Numerators of every size, and those nearest whole multiples, where rounding is closest.
+    #[test]
+    fn quotients_are_those_of_the_divider() {
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(1996);
+        for i in 0..200_000u64 {
+            let k = (1u64 << (i % 50)) + rng.random_range(0..1u64 << (i % 50));
+            let divisor = Divisor::new(k);
+            let whole = k as f64 * rng.random_range(0..1u64 << 20) as f64;
+            let spread = rng.random::<f64>() * 2f64.powi(-rng.random_range(0..60));
+            for a in [whole + spread, whole.next_up(), whole.next_down().abs(), whole, spread] {
+                let quotient = divisor.divide::<true>(a);
+                assert_eq!(quotient.to_bits(), (a / k as f64).to_bits(), "{a} / {k}");
+                assert_eq!(divisor.divide::<false>(a), quotient);
+            }
+        }
+    }
+
+    #[test]
+    fn remainders_are_those_of_whole_numbers() {
+        let mut rng = Xoshiro256PlusPlus::seed_from_u64(1);
+        for i in 0..100_000u64 {
+            let k = 1 + rng.random_range(0..1u64 << (i % 45));
+            let divisor = Divisor::new(k);
+            let index = rng.random_range(0..1u64 << (1 + i % 49));
+            for index in [index, index / k * k, (index / k * k + k - 1).min((1 << 50) - 1)] {
+                let expected = [index / k, index % k].map(|x| x as f64);
+                assert_eq!(divisor.div_rem::<true>(index as f64), expected, "{index} / {k}");
+                assert_eq!(divisor.div_rem::<false>(index as f64), expected, "{index} / {k}");
+            }
+        }
+    }
+}
