@@ -5,16 +5,19 @@
 //! of them: medians of ratios within a round mean more than the rates.
 
 mod common;
+#[path = "common/covered.rs"]
+mod covered;
 
 use anyhow::{Context, Result};
 use clap::Parser;
 use common::{lattice, n_samples, protocol};
+use covered::covered_by_one_triangle;
 use std::collections::BTreeMap;
 use std::io::{Write, stdout};
 use std::ops::RangeInclusive;
 use std::time::{Duration, Instant};
 use stratcore::beam::PixelBeam;
-use stratcore::scene::{Channel, Mesh, Scene, load};
+use stratcore::scene::{Channel, Scene, load};
 use stratcore::simd::Isa;
 use stratcore::study::{Control, SamplerChoice, StudyPlan, study, study_pixels, with_threads};
 use stratcore::trace::{TracedScene, Tracer};
@@ -116,18 +119,6 @@ fn measure(scene: Scene, plan: &StudyPlan, rounds: u32) -> Result<()> {
 
 fn described(row: &Row) -> String {
     format!("\"{}\" on {} thread{}", row.name, row.threads, if row.threads == 1 { "" } else { "s" })
-}
-
-/// The same camera and light before one triangle that fills the picture: generate, shade,
-/// accumulate.
-fn covered_by_one_triangle(mut scene: Scene) -> Scene {
-    let [w, h] = scene.camera.resolution.map(f64::from);
-    let frame = scene.camera.pixel([0, 0]);
-    let corners = [[-w, -h], [4.0 * w, -h], [-w, 4.0 * h]];
-    let positions = corners.map(|[u, v]| scene.camera.eye + frame.direction(u, v)).to_vec();
-    scene.mesh =
-        Mesh { positions, triangles: vec![[0, 1, 2]], materials: vec![0], corner_normals: None };
-    scene
 }
 
 /// Triangles that the pixel's beam holds; none where the scene is traced by rays.

@@ -205,7 +205,8 @@ pub struct StudyArgs {
     #[arg(long, value_name = "M", default_value_t = 50, allow_negative_numbers = true)]
     pub trials: u32,
     /// Sample counts N: 1..16^2 (1, 4, 9, …, 256), 2^0..2^12, or a list such as 1,4,16
-    /// [default: 1..16^2; in d > 2 dimensions 1..k^d, up to 10,000]
+    /// [default: 1..16^2; in d > 2 dimensions 1..k^d, up to 10,000; of these, the N that every
+    /// sampler has]
     #[arg(long, value_name = "COUNTS")]
     pub counts: Option<String>,
     /// What to do with an N that a sampler cannot make

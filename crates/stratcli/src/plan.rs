@@ -6,19 +6,21 @@ use serde::Serialize;
 use std::fmt;
 use std::str::FromStr;
 use stratcore::counts::parse_counts;
-use stratcore::sampler::{CountPolicy, Scramble};
+use stratcore::sampler::{CountPolicy, Scramble, count_used};
 use stratcore::study::{SamplerChoice, StudyPlan};
 use stratcore::{StudyError, StudyResult};
 
 /// The plan of a study of an integrand with `dim` dimensions.
 pub fn study_plan(args: &StudyArgs, common: &Common, dim: usize) -> Result<StudyPlan> {
+    let samplers = samplers(&args.samplers, None)?;
+    let count_policy = args.n_policy.into();
     Ok(StudyPlan {
-        samplers: samplers(&args.samplers, None)?,
         counts: match &args.counts {
             Some(text) => parse_counts(text).context("--counts")?,
-            None => default_counts(dim)?,
+            None => common_counts(default_counts(dim)?, &samplers, dim, count_policy)?,
         },
-        count_policy: args.n_policy.into(),
+        samplers,
+        count_policy,
         n_trials: args.trials,
         seed: common.seed,
     })
@@ -75,6 +77,28 @@ fn default_counts(dim: usize) -> Result<Vec<u64>> {
         .map(|k| k.pow(exponent))
         .take_while(|n| *n <= LARGEST || *n == 1 << dim)
         .collect())
+}
+
+/// Those of the default counts that every sampler has: nobody asked for the others.
+fn common_counts(
+    defaults: Vec<u64>,
+    samplers: &[SamplerChoice],
+    dim: usize,
+    policy: CountPolicy,
+) -> Result<Vec<u64>> {
+    let has = |choice: &SamplerChoice, n| count_used(choice.sampler, n, dim, policy).is_ok();
+    let mut counts = defaults;
+    // One that has none at all is refused by its own name.
+    let choosy = samplers.iter().filter(|choice| counts.iter().any(|&n| has(choice, n)));
+    let choosy: Vec<_> = choosy.collect();
+    counts.retain(|&n| choosy.iter().all(|choice| has(choice, n)));
+    ensure!(
+        counts.len() >= 2,
+        "the samplers {} have no two of the default counts in common; say which N are meant with \
+         --counts, and --n-policy snap takes the nearest that each has",
+        samplers.iter().map(|c| c.sampler.name()).collect::<Vec<_>>().join(", ")
+    );
+    Ok(counts)
 }
 
 /// Two values with `separator` between them.
@@ -189,6 +213,24 @@ mod tests {
             assert!(counts(dim).len() >= 2 && counts(dim)[2..].iter().all(|n| *n <= 10_000));
         }
         assert!(default_counts(17).unwrap_err().to_string().contains("--counts"));
+    }
+
+    #[test]
+    fn default_counts_are_those_that_every_sampler_has() {
+        let counts = |names: &[&str], dim, policy| {
+            let names: Vec<_> = names.iter().map(|name| (*name).to_owned()).collect();
+            let samplers = samplers(&names, None).unwrap();
+            common_counts(default_counts(dim).unwrap(), &samplers, dim, policy)
+        };
+        let error = CountPolicy::Error;
+        assert_eq!(counts(&["random", "jittered"], 2, error).unwrap(), StudyPlan::paper().counts);
+        assert_eq!(counts(&["random", "oa"], 2, error).unwrap(), [4, 9, 25, 49, 121, 169]);
+        assert_eq!(counts(&["jittered", "zsobol"], 2, error).unwrap(), [1, 4, 16, 64, 256]);
+        assert_eq!(counts(&["oa"], 2, CountPolicy::Snap).unwrap(), StudyPlan::paper().counts);
+        // Defined in two dimensions alone: the study says so.
+        assert_eq!(counts(&["random", "cmj"], 4, error).unwrap(), default_counts(4).unwrap());
+        let error = counts(&["oa", "zsobol"], 2, error).unwrap_err().to_string();
+        assert!(error.contains("oa, zsobol") && error.contains("--counts"), "{error}");
     }
 
     #[test]

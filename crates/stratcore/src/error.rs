@@ -58,6 +58,14 @@ pub enum StudyError {
     /// No sample counts, or no samplers.
     #[error("the plan lists no {0}")]
     EmptyPlan(&'static str),
+    /// The same sampler under the same scramble twice: one result would stand for both.
+    #[error("the plan lists {sampler} with the scramble {scramble} twice; name it once")]
+    SamplerTwice {
+        /// Sampler's name.
+        sampler: &'static str,
+        /// Its scramble.
+        scramble: Scramble,
+    },
     /// A sampler's name that is not on the shelf.
     #[error("no sampler is called \"{name}\"; there are {known}")]
     UnknownSampler {

@@ -12,6 +12,7 @@
 //!   operations per point, which lets eight or sixteen points be drawn at once.
 
 use crate::error::StudyError;
+use crate::simd::BLOCK;
 
 /// Names one stream of random numbers: same key, same numbers, on any thread.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -88,22 +89,86 @@ impl Stream {
 
     /// Two coordinates in [0, 1), multiples of 2^-48: pair number `index` of the stream.
     pub fn pair(&self, index: u64) -> [f64; 2] {
-        let [a, b, c] = self.draw(index);
-        let unit = |hi: u32, lo: u32| (u64::from(hi) << 16 | u64::from(lo)) as f64 * 2f64.powi(-48);
-        [unit(a, c & 0xffff), unit(b, c >> 16)]
+        unit_pair(self.draw(index))
+    }
+
+    /// The pairs to be written to `pairs`, row-major, fewer than 2^32 from index `first` on, in
+    /// two runs: the stream changes where the index outgrows 32 bits. With each run, its first
+    /// index and its draws.
+    pub(crate) fn runs<'a>(
+        &self,
+        first: u64,
+        pairs: &'a mut [f64],
+    ) -> [(u64, Draws, &'a mut [f64]); 2] {
+        let before = (1 << 32) - (first & 0xffff_ffff);
+        let split = usize::try_from(2 * before).unwrap_or(usize::MAX).min(pairs.len());
+        let (head, tail) = pairs.split_at_mut(split);
+        [(first, head), (first + before, tail)]
+            .map(|(first, run)| (first, Draws { arguments: self.arguments(first) }, run))
     }
 
     /// Three random words: draw number `index` of the stream.
     pub fn draw(&self, index: u64) -> [u32; 3] {
+        pcg3d(self.arguments(index))
+    }
+
+    #[inline(always)]
+    fn arguments(&self, index: u64) -> [u32; 3] {
         // An index beyond 32 bits moves to another stream; twice its high part stays even.
         let high = ((index >> 32) as u32).wrapping_mul(2);
-        pcg3d([index as u32, self.words[0], self.words[1].wrapping_add(high)])
+        [index as u32, self.words[0], self.words[1].wrapping_add(high)]
     }
 
     /// 64 random bits for a scramble or a permutation, independent of the draws.
     pub fn scramble_bits(&self) -> u64 {
         self.scramble
     }
+}
+
+/// Consecutive draws of a stream.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Draws {
+    arguments: [u32; 3],
+}
+
+impl Draws {
+    /// The pairs of a block: of the first index plus `lane ..`, at least `len` of them. The
+    /// words are drawn first, in vectors of twice as many lanes as numbers have.
+    #[inline(always)]
+    pub(crate) fn block(self, lane: u32, len: usize) -> Block {
+        let [low, second, third] = self.arguments;
+        let mut words = [[0; BLOCK]; 3];
+        let [a, b, c] = &mut words;
+        // Whole vectors leave no rest.
+        let len = len.next_multiple_of(16).min(BLOCK);
+        let lanes = (0..u32::MAX).zip(a[..len].iter_mut().zip(b).zip(c));
+        for (i, ((a, b), c)) in lanes {
+            [*a, *b, *c] = pcg3d([low.wrapping_add(lane).wrapping_add(i), second, third]);
+        }
+        Block(words)
+    }
+}
+
+/// Draws of a block of indices: all first words, all second, all third.
+pub(crate) struct Block([[u32; BLOCK]; 3]);
+
+impl Block {
+    /// Their pairs, in order.
+    #[inline(always)]
+    pub(crate) fn pairs(&self) -> impl Iterator<Item = [f64; 2]> {
+        let [a, b, c] = &self.0;
+        a.iter().zip(b).zip(c).map(|((a, b), c)| unit_pair([*a, *b, *c]))
+    }
+}
+
+/// Two numbers of 48 bits from three words.
+#[inline(always)]
+fn unit_pair([a, b, c]: [u32; 3]) -> [f64; 2] {
+    // The bits of a number in [1, 2): cheaper to make than a whole number is to convert.
+    let unit = |hi: u32, lo: u32| {
+        f64::from_bits(0x3ff << 52 | u64::from(hi) << 20 | u64::from(lo) << 4) - 1.0
+    };
+    [unit(a, c & 0xffff), unit(b, c >> 16)]
 }
 
 /// Philox4x32-10: ten rounds, as published.

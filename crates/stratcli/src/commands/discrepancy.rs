@@ -76,7 +76,7 @@ fn of_file(path: &str, args: &DiscrepancyArgs, common: &Common) -> Result<(Study
         n_trials: args.trials.or(u32::try_from(file.sets().count()).ok()).unwrap_or(u32::MAX),
         seed: common.seed,
     };
-    Ok((plan, args.dim.unwrap_or(file.max_dim())))
+    Ok((plan, args.dim.unwrap_or(file.facts().max_dim)))
 }
 
 fn measures(names: &[String], dim: usize) -> Result<Vec<Measure>> {

@@ -8,7 +8,7 @@ use anyhow::Result;
 use serde::Serialize;
 use stratcore::discrepancy::Measure;
 use stratcore::integrand::{CATALOGUE, IntegrandInfo, ParamInfo};
-use stratcore::sampler::{SHELF, Sampler, Scramble};
+use stratcore::sampler::{Facts, SHELF, Sampler, Scramble};
 use stratcore::scene::library::SCENES;
 
 #[derive(Serialize)]
@@ -80,11 +80,9 @@ pub fn run(args: &ListArgs, common: &Common) -> Result<Outcome> {
 }
 
 fn samplers() -> Vec<SamplerEntry> {
-    let entry = |s: &&dyn Sampler| SamplerEntry {
-        name: s.name(),
-        summary: s.summary(),
-        source: s.source(),
-        scrambles: s.scrambles(),
+    let entry = |s: &&dyn Sampler| {
+        let Facts { name, summary, source, scrambles, .. } = s.facts();
+        SamplerEntry { name, summary, source, scrambles }
     };
     SHELF.iter().map(entry).collect()
 }

@@ -109,7 +109,7 @@ fn of_points(
         }
     }
     let n = args.n.or(file.and_then(|file| file.counts().first().copied())).unwrap_or(256);
-    let dim = args.dim.or(file.map(Sampler::max_dim)).unwrap_or(2);
+    let dim = args.dim.or(file.map(|file| file.facts().max_dim)).unwrap_or(2);
     ensure!(n >= 1, "-n {n}: a set has at least 1 point");
     let axes = plan::axes(args.axes.as_deref().unwrap_or("0,1"), dim)?;
     let policy = args.n_policy.map_or(CountPolicy::Error, CountPolicy::from);

@@ -1,8 +1,8 @@
 //! Patterns optimised for edges of any position and angle.
 
 use super::hash::{below, splitmix, unit};
-use super::patterns::{PATTERNS, pattern};
-use super::{BELOW_ONE, Kind, PointSet, Points, Sampler, Scramble};
+use super::patterns::Pattern;
+use super::{BELOW_ONE, Facts, Kind, Scramble};
 use crate::discrepancy::SquareCut;
 use std::f64::consts::PI;
 
@@ -17,58 +17,26 @@ use std::f64::consts::PI;
 ///
 /// Patterns are made once and kept. A torus shift makes their estimates unbiased, but it moves
 /// the border, for which the unshifted pattern is optimised, into the middle.
-#[derive(Debug, Clone, Copy)]
-pub struct Annealed;
-
-/// The largest N: about a second for each pattern.
-const MOST: u64 = 256;
-
-impl Sampler for Annealed {
-    fn name(&self) -> &'static str {
-        "annealed"
-    }
-    fn summary(&self) -> &'static str {
-        "pattern annealed to low arbitrary-edge discrepancy"
-    }
-    fn source(&self) -> &'static str {
-        "Dobkin, Eppstein & Mitchell 1996; Cross 1995"
-    }
-    fn stream_id(&self) -> u8 {
-        15
-    }
-    fn kind(&self) -> Kind {
-        Kind::Set
-    }
-    fn max_dim(&self) -> usize {
-        2
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        &[Scramble::TorusShift, Scramble::None]
-    }
-    fn is_randomised(&self, scramble: Scramble) -> bool {
-        scramble != Scramble::None
-    }
-    fn most_trials(&self, _n: u64, scramble: Scramble) -> u32 {
-        if scramble == Scramble::None { PATTERNS } else { u32::MAX }
-    }
-    fn admits(&self, n: u64, dim: usize, _rectangular: bool) -> bool {
-        dim == 2 && (1..=MOST).contains(&n)
-    }
-    fn neighbours(&self, n: u64, dim: usize) -> (Option<u64>, Option<u64>) {
-        match n {
-            _ if dim != 2 => (None, None),
-            0 => (None, Some(1)),
-            _ => (Some(MOST), None),
-        }
-    }
-    fn construct(&self, set: &PointSet) -> Box<dyn Points> {
-        pattern(self.stream_id(), set, |n, _dim, key| anneal(n, key))
-    }
-}
+pub const ANNEALED: Pattern = Pattern {
+    facts: Facts {
+        name: "annealed",
+        summary: "pattern annealed to low arbitrary-edge discrepancy",
+        source: "Dobkin, Eppstein & Mitchell 1996; Cross 1995",
+        stream_id: 15,
+        kind: Kind::Set,
+        max_dim: 2,
+        scrambles: &[Scramble::TorusShift, Scramble::None],
+        is_random: false,
+    },
+    min_dim: 2,
+    // About a second for each pattern.
+    most: 256,
+    make: anneal,
+};
 
 type Point = [f64; 2];
 
-fn anneal(n: usize, key: u64) -> Vec<f64> {
+fn anneal(n: usize, _dim: usize, key: u64) -> Vec<f64> {
     /// Change of the energy, relative to its share of a point, that is accepted with
     /// probability 1/e: at the start and at the end.
     const TEMPERATURES: [f64; 2] = [5.0, 0.05];
@@ -170,6 +138,7 @@ impl Direction {
 
 #[cfg(test)]
 mod tests {
+    use super::super::{PointSet, Sampler};
     use super::*;
     use crate::discrepancy::edge;
     use crate::rng::StreamKey;
@@ -208,7 +177,7 @@ mod tests {
                 edge(&points)
             };
             let jittered = (0..16).map(jittered).sum::<f64>() / 16.0;
-            let ratio = edge(&anneal(n as usize, 3)) / jittered;
+            let ratio = edge(&anneal(n as usize, 2, 3)) / jittered;
             assert!((0.4..0.7).contains(&ratio), "{n}: {ratio}");
         }
     }

@@ -3,7 +3,10 @@
 use super::hash::splitmix;
 use super::permutation::Permutation;
 use super::random::UniformPoints;
-use super::{BELOW_ONE, Jittered, Kind, PointSet, Points, Sampler, Scramble, strata_per_axis};
+use super::{
+    BELOW_ONE, Facts, Jittered, Kind, PointSet, Points, Sampler, Scramble, strata_per_axis,
+};
+use crate::simd::Isa;
 
 /// One point in each of the m × n cells of a grid and, at the same time, in each of the mn
 /// columns and mn rows. All columns of cells share one order of their rows' offsets, and all
@@ -15,29 +18,17 @@ use super::{BELOW_ONE, Jittered, Kind, PointSet, Points, Sampler, Scramble, stra
 pub struct CorrelatedMultiJittered;
 
 impl Sampler for CorrelatedMultiJittered {
-    fn name(&self) -> &'static str {
-        "cmj"
-    }
-    fn summary(&self) -> &'static str {
-        "correlated multi-jittered: stratified in 2-D cells and along both axes"
-    }
-    fn source(&self) -> &'static str {
-        "Chiu, Shirley & Wang 1994; Kensler 2013"
-    }
-    fn stream_id(&self) -> u8 {
-        4
-    }
-    fn kind(&self) -> Kind {
-        Kind::Set
-    }
-    fn max_dim(&self) -> usize {
-        2
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        &[Scramble::None, Scramble::TorusShift]
-    }
-    fn is_randomised(&self, _scramble: Scramble) -> bool {
-        true
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "cmj",
+            summary: "correlated multi-jittered: stratified in 2-D cells and along both axes",
+            source: "Chiu, Shirley & Wang 1994; Kensler 2013",
+            stream_id: 4,
+            kind: Kind::Set,
+            max_dim: 2,
+            scrambles: &[Scramble::None, Scramble::TorusShift],
+            is_random: true,
+        }
     }
     fn admits(&self, n: u64, dim: usize, rectangular: bool) -> bool {
         Jittered.admits(n, dim, rectangular)
@@ -69,8 +60,8 @@ struct MultiJitteredPoints {
 }
 
 impl Points for MultiJitteredPoints {
-    fn fill(&self, first: u64, points: &mut [f64]) {
-        self.offsets.fill(first, points);
+    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
+        self.offsets.fill_with(isa, first, points);
         let n = (self.columns * self.rows) as f64;
         let (mut column, mut row) = (first % self.columns, first / self.columns);
         for point in points.chunks_exact_mut(self.offsets.dim) {

@@ -1,7 +1,7 @@
 //! Point sets from a file: bring your own.
 
 use super::patterns::StoredPoints;
-use super::{Kind, PointSet, Points, Sampler, Scramble};
+use super::{Facts, Kind, PointSet, Points, Sampler, Scramble};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -233,32 +233,20 @@ fn read_utk(bytes: &[u8]) -> Result<Sets, PointFileFault> {
 }
 
 impl Sampler for PointFile {
-    fn name(&self) -> &'static str {
-        self.name
-    }
-    fn summary(&self) -> &'static str {
-        "point sets of a file: CSV, or UTK text and binary"
-    }
-    fn source(&self) -> &'static str {
-        "the file"
-    }
-    fn stream_id(&self) -> u8 {
-        17
-    }
-    fn kind(&self) -> Kind {
-        Kind::Set
-    }
-    fn max_dim(&self) -> usize {
-        self.dim
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        match self.sets.len() {
-            1 => &[Scramble::TorusShift, Scramble::None],
-            _ => &[Scramble::None, Scramble::TorusShift],
+    fn facts(&self) -> Facts {
+        Facts {
+            name: self.name,
+            summary: "point sets of a file: CSV, or UTK text and binary",
+            source: "the file",
+            stream_id: 17,
+            kind: Kind::Set,
+            max_dim: self.dim,
+            scrambles: match self.sets.len() {
+                1 => &[Scramble::TorusShift, Scramble::None],
+                _ => &[Scramble::None, Scramble::TorusShift],
+            },
+            is_random: self.sets.len() > 1,
         }
-    }
-    fn is_randomised(&self, scramble: Scramble) -> bool {
-        scramble != Scramble::None || self.sets.len() > 1
     }
     fn most_trials(&self, n: u64, scramble: Scramble) -> u32 {
         match scramble {

@@ -1,6 +1,7 @@
 //! The centres of a grid's cells: the deterministic set that jittering randomises.
 
-use super::{Jittered, Kind, PointSet, Points, Sampler, Scramble, strata_per_axis};
+use super::{Facts, Jittered, Kind, PointSet, Points, Sampler, Scramble, strata_per_axis};
+use crate::simd::Isa;
 
 /// The centres of the cells of a k^d (or k₁ × … × k_d) grid. Under a torus shift all points
 /// move by one random vector: uniform jitter.
@@ -8,29 +9,17 @@ use super::{Jittered, Kind, PointSet, Points, Sampler, Scramble, strata_per_axis
 pub struct Grid;
 
 impl Sampler for Grid {
-    fn name(&self) -> &'static str {
-        "grid"
-    }
-    fn summary(&self) -> &'static str {
-        "centres of a k^d grid; with one random shift, uniform jitter"
-    }
-    fn source(&self) -> &'static str {
-        "Ramamoorthi, Anderson, Meyer & Nowrouzezahrai 2012 (uniform jitter)"
-    }
-    fn stream_id(&self) -> u8 {
-        2
-    }
-    fn kind(&self) -> Kind {
-        Kind::Set
-    }
-    fn max_dim(&self) -> usize {
-        usize::MAX
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        &[Scramble::TorusShift, Scramble::Tent, Scramble::None]
-    }
-    fn is_randomised(&self, scramble: Scramble) -> bool {
-        scramble != Scramble::None
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "grid",
+            summary: "centres of a k^d grid; with one random shift, uniform jitter",
+            source: "Ramamoorthi, Anderson, Meyer & Nowrouzezahrai 2012 (uniform jitter)",
+            stream_id: 2,
+            kind: Kind::Set,
+            max_dim: usize::MAX,
+            scrambles: &[Scramble::TorusShift, Scramble::Tent, Scramble::None],
+            is_random: false,
+        }
     }
     fn admits(&self, n: u64, dim: usize, rectangular: bool) -> bool {
         Jittered.admits(n, dim, rectangular)
@@ -48,7 +37,7 @@ struct GridPoints {
 }
 
 impl Points for GridPoints {
-    fn fill(&self, first: u64, points: &mut [f64]) {
+    fn fill_with(&self, _isa: Isa, first: u64, points: &mut [f64]) {
         for (index, point) in (first..).zip(points.chunks_exact_mut(self.strata.len())) {
             let mut rest = index;
             for (x, &k) in point.iter_mut().zip(&self.strata) {

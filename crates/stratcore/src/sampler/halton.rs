@@ -3,7 +3,8 @@
 use super::hash::splitmix;
 use super::radical::{RadicalInverse, primes};
 use super::sobol::{MOST_POINTS, digital_neighbours};
-use super::{Kind, PointSet, Points, Sampler, Scramble};
+use super::{Facts, Kind, PointSet, Points, Sampler, Scramble};
+use crate::simd::Isa;
 use std::sync::OnceLock;
 
 /// Radical inverses of the index in the first d primes.
@@ -15,29 +16,22 @@ use std::sync::OnceLock;
 pub struct Halton;
 
 impl Sampler for Halton {
-    fn name(&self) -> &'static str {
-        "halton"
-    }
-    fn summary(&self) -> &'static str {
-        "Halton sequence: radical inverses in the first d primes, any N"
-    }
-    fn source(&self) -> &'static str {
-        "Halton 1960; digit scrambles: Owen 1995, Matousek 1998"
-    }
-    fn stream_id(&self) -> u8 {
-        7
-    }
-    fn kind(&self) -> Kind {
-        Kind::Sequence
-    }
-    fn max_dim(&self) -> usize {
-        BASES
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        &[Scramble::Owen, Scramble::DigitPermutation, Scramble::TorusShift, Scramble::None]
-    }
-    fn is_randomised(&self, scramble: Scramble) -> bool {
-        scramble != Scramble::None
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "halton",
+            summary: "Halton sequence: radical inverses in the first d primes, any N",
+            source: "Halton 1960; digit scrambles: Owen 1995, Matousek 1998",
+            stream_id: 7,
+            kind: Kind::Sequence,
+            max_dim: BASES,
+            scrambles: &[
+                Scramble::Owen,
+                Scramble::DigitPermutation,
+                Scramble::TorusShift,
+                Scramble::None,
+            ],
+            is_random: false,
+        }
     }
     fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
         (1..=MOST_POINTS).contains(&n)
@@ -69,9 +63,9 @@ struct HaltonPoints {
 }
 
 impl Points for HaltonPoints {
-    fn fill(&self, first: u64, points: &mut [f64]) {
+    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
         for (axis, coordinates) in self.axes.iter().enumerate() {
-            coordinates.fill(first, points, axis, self.axes.len());
+            coordinates.fill(isa, first, points, axis, self.axes.len());
         }
     }
 }

@@ -2,9 +2,10 @@
 
 use super::halton::{BASES, radical_inverses};
 use super::hash::splitmix;
-use super::radical::{RadicalInverse, Tail};
+use super::radical::{FractionLoop, RadicalInverse, Tail};
 use super::sobol::{MOST_POINTS, digital_neighbours};
-use super::{BELOW_ONE, Kind, PointSet, Points, Sampler, Scramble};
+use super::{Facts, Kind, PointSet, Points, Sampler, Scramble};
+use crate::simd::{self, BLOCK, Divisor, Isa};
 
 /// i/N and the Halton sequence in d - 1 dimensions. Scrambles work on the digits of the latter
 /// and move the former within its 1/N.
@@ -12,29 +13,22 @@ use super::{BELOW_ONE, Kind, PointSet, Points, Sampler, Scramble};
 pub struct Hammersley;
 
 impl Sampler for Hammersley {
-    fn name(&self) -> &'static str {
-        "hammersley"
-    }
-    fn summary(&self) -> &'static str {
-        "Hammersley set: i/N beside d - 1 radical inverses"
-    }
-    fn source(&self) -> &'static str {
-        "Hammersley 1960; digit scrambles: Owen 1995, Matousek 1998"
-    }
-    fn stream_id(&self) -> u8 {
-        6
-    }
-    fn kind(&self) -> Kind {
-        Kind::Set
-    }
-    fn max_dim(&self) -> usize {
-        BASES + 1
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        &[Scramble::Owen, Scramble::DigitPermutation, Scramble::TorusShift, Scramble::None]
-    }
-    fn is_randomised(&self, scramble: Scramble) -> bool {
-        scramble != Scramble::None
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "hammersley",
+            summary: "Hammersley set: i/N beside d - 1 radical inverses",
+            source: "Hammersley 1960; digit scrambles: Owen 1995, Matousek 1998",
+            stream_id: 6,
+            kind: Kind::Set,
+            max_dim: BASES + 1,
+            scrambles: &[
+                Scramble::Owen,
+                Scramble::DigitPermutation,
+                Scramble::TorusShift,
+                Scramble::None,
+            ],
+            is_random: false,
+        }
     }
     fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
         (1..=MOST_POINTS).contains(&n)
@@ -46,7 +40,7 @@ impl Sampler for Hammersley {
         // Keys of the other axes count from 0.
         let key = splitmix(set.key.stream().scramble_bits(), BASES as u64);
         Box::new(HammersleyPoints {
-            n: set.key.n_samples as f64,
+            n: Divisor::new(set.key.n_samples),
             tail: Tail::new(set.scramble, key),
             others: radical_inverses(set, set.dim - 1),
         })
@@ -54,19 +48,21 @@ impl Sampler for Hammersley {
 }
 
 struct HammersleyPoints {
-    n: f64,
+    n: Divisor,
     tail: Tail,
     others: Vec<RadicalInverse>,
 }
 
 impl Points for HammersleyPoints {
-    fn fill(&self, first: u64, points: &mut [f64]) {
+    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
         let dim = self.others.len() + 1;
-        for (index, point) in (first..).zip(points.chunks_exact_mut(dim)) {
-            point[0] = ((index as f64 + self.tail.at(index)) / self.n).min(BELOW_ONE);
+        for (first, run) in (first..).step_by(BLOCK).zip(points.chunks_mut(BLOCK * dim)) {
+            let cells: [u64; BLOCK] = std::array::from_fn(|i| first + i as u64);
+            let (tail, scale) = (&self.tail, self.n);
+            simd::run(isa, FractionLoop { cells: &cells, tail, scale, run, axis: 0, dim });
         }
         for (other, coordinates) in self.others.iter().enumerate() {
-            coordinates.fill(first, points, other + 1, dim);
+            coordinates.fill(isa, first, points, other + 1, dim);
         }
     }
 }

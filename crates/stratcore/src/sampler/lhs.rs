@@ -3,7 +3,8 @@
 use super::hash::splitmix;
 use super::permutation::Permutation;
 use super::random::UniformPoints;
-use super::{BELOW_ONE, Kind, PointSet, Points, Sampler, Scramble};
+use super::{BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble};
+use crate::simd::Isa;
 
 /// N-rooks: along each axis the N points lie in N different slabs, paired at random between
 /// axes, each point uniform in its cell.
@@ -11,29 +12,17 @@ use super::{BELOW_ONE, Kind, PointSet, Points, Sampler, Scramble};
 pub struct LatinHypercube;
 
 impl Sampler for LatinHypercube {
-    fn name(&self) -> &'static str {
-        "lhs"
-    }
-    fn summary(&self) -> &'static str {
-        "Latin hypercube (N-rooks): stratified along every single axis"
-    }
-    fn source(&self) -> &'static str {
-        "McKay, Beckman & Conover 1979; Shirley 1991"
-    }
-    fn stream_id(&self) -> u8 {
-        3
-    }
-    fn kind(&self) -> Kind {
-        Kind::Set
-    }
-    fn max_dim(&self) -> usize {
-        usize::MAX
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        &[Scramble::None, Scramble::TorusShift]
-    }
-    fn is_randomised(&self, _scramble: Scramble) -> bool {
-        true
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "lhs",
+            summary: "Latin hypercube (N-rooks): stratified along every single axis",
+            source: "McKay, Beckman & Conover 1979; Shirley 1991",
+            stream_id: 3,
+            kind: Kind::Set,
+            max_dim: usize::MAX,
+            scrambles: &[Scramble::None, Scramble::TorusShift],
+            is_random: true,
+        }
     }
     fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
         n >= 1
@@ -58,8 +47,8 @@ struct RooksPoints {
 }
 
 impl Points for RooksPoints {
-    fn fill(&self, first: u64, points: &mut [f64]) {
-        self.offsets.fill(first, points);
+    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
+        self.offsets.fill_with(isa, first, points);
         let n = self.n as f64;
         for (index, point) in (first..).zip(points.chunks_exact_mut(self.offsets.dim)) {
             let (x, others) = point.split_at_mut(1);

@@ -7,6 +7,7 @@
 mod annealed;
 mod best_candidate;
 mod cmj;
+mod digital;
 mod file;
 mod grid;
 mod halton;
@@ -31,8 +32,8 @@ mod sobol;
 mod zero_two;
 mod zsobol;
 
-pub use annealed::Annealed;
-pub use best_candidate::BestCandidate;
+pub use annealed::ANNEALED;
+pub use best_candidate::BEST_CANDIDATE;
 pub use cmj::CorrelatedMultiJittered;
 pub use file::{PointFile, PointFileError, PointFileFault};
 pub use grid::Grid;
@@ -42,8 +43,9 @@ pub use jittered::{Jittered, strata_per_axis};
 pub use lhs::LatinHypercube;
 pub use oa::OrthogonalArray;
 pub use padded::Padded;
+pub use patterns::Pattern;
 pub use pmj02::Pmj02;
-pub use poisson::Poisson;
+pub use poisson::POISSON;
 pub use random::Random;
 pub use rank1::RankOne;
 pub use rd::Rd;
@@ -53,6 +55,7 @@ pub use zsobol::ZSobol;
 
 use crate::error::StudyError;
 use crate::rng::StreamKey;
+use crate::simd::Isa;
 use scramble::Shifted;
 
 /// Every sampler there is, in the order in which they are listed.
@@ -71,9 +74,9 @@ pub const SHELF: &[&dyn Sampler] = &[
     &ZSobol,
     &RankOne,
     &Rd,
-    &Poisson,
-    &BestCandidate,
-    &Annealed,
+    &POISSON,
+    &BEST_CANDIDATE,
+    &ANNEALED,
 ];
 
 /// The sampler of this name; `file:PATH` is the [`PointFile`] there.
@@ -126,24 +129,47 @@ pub struct PointSet {
     pub rectangular: bool,
 }
 
+/// What is true of all sets of a sampler.
+#[derive(Debug, Clone, Copy)]
+pub struct Facts {
+    /// As typed on the command line and printed in reports.
+    pub name: &'static str,
+    /// One line of help.
+    pub summary: &'static str,
+    /// Where it was published.
+    pub source: &'static str,
+    /// Number of its random streams; unique on the shelf and never reused.
+    pub stream_id: u8,
+    /// Set or sequence.
+    pub kind: Kind,
+    /// Largest dimension it is defined for.
+    pub max_dim: usize,
+    /// Scrambles it takes; the first is its default.
+    pub scrambles: &'static [Scramble],
+    /// Whether its construction is random: repeats differ without a scramble.
+    pub is_random: bool,
+}
+
 /// A rule that places N points in [0, 1)^d.
 pub trait Sampler: Send + Sync {
+    /// What is true of all its sets.
+    fn facts(&self) -> Facts;
     /// As typed on the command line and printed in reports.
-    fn name(&self) -> &'static str;
-    /// One line of help.
-    fn summary(&self) -> &'static str;
-    /// Where it was published.
-    fn source(&self) -> &'static str;
-    /// Number of its random streams; unique on the shelf and never reused.
-    fn stream_id(&self) -> u8;
-    /// Set or sequence.
-    fn kind(&self) -> Kind;
-    /// Largest dimension it is defined for.
-    fn max_dim(&self) -> usize;
+    fn name(&self) -> &'static str {
+        self.facts().name
+    }
+    /// Number of its random streams.
+    fn stream_id(&self) -> u8 {
+        self.facts().stream_id
+    }
     /// Scrambles it takes; the first is its default.
-    fn scrambles(&self) -> &'static [Scramble];
+    fn scrambles(&self) -> &'static [Scramble] {
+        self.facts().scrambles
+    }
     /// Whether repeats differ under this scramble. A deterministic set has no variance.
-    fn is_randomised(&self, scramble: Scramble) -> bool;
+    fn is_randomised(&self, scramble: Scramble) -> bool {
+        self.facts().is_random || scramble != Scramble::None
+    }
     /// Trials of `n` points that differ from one another: sets that are read, not made, run out.
     fn most_trials(&self, _n: u64, scramble: Scramble) -> u32 {
         if self.is_randomised(scramble) { u32::MAX } else { 1 }
@@ -179,7 +205,11 @@ const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 pub trait Points {
     /// Overwrites `points`, row-major `[len, dim]`, with points `first .. first + len` of the
     /// set; every coordinate is in [0, 1).
-    fn fill(&self, first: u64, points: &mut [f64]);
+    fn fill(&self, first: u64, points: &mut [f64]) {
+        self.fill_with(Isa::detect(), first, points);
+    }
+    /// The same by an instruction set of choice: it changes no bit.
+    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]);
 }
 
 /// The count a sampler uses when asked for `n` points under a policy.
@@ -192,8 +222,8 @@ pub fn count_used(
     dim: usize,
     policy: CountPolicy,
 ) -> Result<u64, StudyError> {
-    if dim > sampler.max_dim() {
-        let max_dim = sampler.max_dim();
+    let max_dim = sampler.facts().max_dim;
+    if dim > max_dim {
         return Err(StudyError::TooManyDimensions { sampler: sampler.name(), dim, max_dim });
     }
     if sampler.admits(n, dim, policy == CountPolicy::Rect) {

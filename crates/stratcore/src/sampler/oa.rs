@@ -4,7 +4,8 @@ use super::hash::splitmix;
 use super::jittered::root_floor;
 use super::permutation::Permutation;
 use super::random::UniformPoints;
-use super::{BELOW_ONE, Kind, PointSet, Points, Sampler, Scramble};
+use super::{BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble};
+use crate::simd::Isa;
 
 /// N = p² points, p prime, in up to p + 1 dimensions: every pair of dimensions sees one point
 /// in each of its p × p cells, as correlated multi-jitter would, and every single dimension one
@@ -16,29 +17,17 @@ pub struct OrthogonalArray;
 const LARGEST_PRIME: u64 = 65_521;
 
 impl Sampler for OrthogonalArray {
-    fn name(&self) -> &'static str {
-        "oa"
-    }
-    fn summary(&self) -> &'static str {
-        "orthogonal array of strength 2: all 2-D projections multi-jittered, N = p^2"
-    }
-    fn source(&self) -> &'static str {
-        "Bose 1938; Owen 1992; Tang 1993; Jarosz, Enayet, Kensler, Kilpatrick & Christensen 2019"
-    }
-    fn stream_id(&self) -> u8 {
-        5
-    }
-    fn kind(&self) -> Kind {
-        Kind::Set
-    }
-    fn max_dim(&self) -> usize {
-        LARGEST_PRIME as usize + 1
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        &[Scramble::None, Scramble::TorusShift]
-    }
-    fn is_randomised(&self, _scramble: Scramble) -> bool {
-        true
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "oa",
+            summary: "orthogonal array of strength 2: all 2-D projections multi-jittered, N = p^2",
+            source: "Bose 1938; Owen 1992; Tang 1993; Jarosz, Enayet, Kensler, Kilpatrick & Christensen 2019",
+            stream_id: 5,
+            kind: Kind::Set,
+            max_dim: LARGEST_PRIME as usize + 1,
+            scrambles: &[Scramble::None, Scramble::TorusShift],
+            is_random: true,
+        }
     }
     fn admits(&self, n: u64, dim: usize, _rectangular: bool) -> bool {
         let p = root_floor(n, 2);
@@ -78,8 +67,8 @@ struct ArrayPoints {
 }
 
 impl Points for ArrayPoints {
-    fn fill(&self, first: u64, points: &mut [f64]) {
-        self.offsets.fill(first, points);
+    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
+        self.offsets.fill_with(isa, first, points);
         let p = self.p;
         let n = (p * p) as f64;
         let (mut row, mut column) = (first / p, first % p);

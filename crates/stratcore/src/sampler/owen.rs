@@ -1,9 +1,89 @@
 //! Owen scrambling of base-2 digits: true, and by a hash.
 
-use super::hash::splitmix;
+use super::Scramble;
+use super::hash::{splitmix, unit};
+use crate::simd::BLOCK;
 
 /// Levels of the digit tree that one hash decides: 63 nodes, one bit each.
 const STEP: u32 = 6;
+
+/// How the base-2 digits of a coordinate are scrambled.
+pub(super) enum DigitScramble {
+    /// XORed with a word; zero: not at all.
+    Xor(u64),
+    /// Truly.
+    Nested(NestedUniform),
+    /// By a hash, with this seed.
+    Hashed(u32),
+}
+
+impl DigitScramble {
+    /// The scramble named by `key`, for points that `levels` digits tell apart. Those that do
+    /// not work on digits leave them alone.
+    pub(super) fn new(scramble: Scramble, key: u64, levels: u32) -> Self {
+        match scramble {
+            Scramble::Owen => Self::Nested(NestedUniform::new(key, levels)),
+            Scramble::OwenHash => Self::Hashed(key as u32),
+            Scramble::XorShift => Self::Xor(key),
+            _ => Self::Xor(0),
+        }
+    }
+
+    /// Overwrites `coordinates`, at most a block of them, with those of points of these digits,
+    /// the leading one lowest, and indices; `own` makes each point's own bits.
+    #[inline(always)]
+    pub(super) fn coordinates(
+        &self,
+        mirrored: &[u32; BLOCK],
+        indices: &[u64; BLOCK],
+        own: OwnBits,
+        coordinates: &mut [f64],
+    ) {
+        let points = coordinates.iter_mut().zip(mirrored);
+        match self {
+            Self::Xor(shift) => {
+                for (x, digits) in points {
+                    *x = unit(u64::from(digits.reverse_bits()) << 32 ^ shift);
+                }
+            }
+            Self::Nested(scramble) => {
+                let mut cells = [0; BLOCK];
+                for (cell, digits) in cells.iter_mut().zip(mirrored) {
+                    *cell = u64::from(digits.reverse_bits() >> (32 - scramble.levels));
+                }
+                let cells = &mut cells[..coordinates.len()];
+                scramble.scramble(cells);
+                for (x, (digits, index)) in coordinates.iter_mut().zip(cells.iter().zip(indices)) {
+                    *x = unit(scramble.fraction(*digits, own.of(*index)));
+                }
+            }
+            Self::Hashed(seed) => {
+                for (x, digits) in points {
+                    *x = cell_centre(hash_reversed(*digits, *seed).reverse_bits());
+                }
+            }
+        }
+    }
+}
+
+/// Makes the bits that a point has of its own, 32 for each of two coordinates.
+#[derive(Clone, Copy)]
+pub(super) struct OwnBits {
+    key: u64,
+    shift: u32,
+}
+
+impl OwnBits {
+    /// For the coordinate of this number, under the key of it and its neighbour.
+    pub(super) fn new(key: u64, axis: usize) -> Self {
+        Self { key, shift: if axis.is_multiple_of(2) { 0 } else { 32 } }
+    }
+
+    #[inline(always)]
+    fn of(self, index: u64) -> u32 {
+        (splitmix(self.key, index) >> self.shift) as u32
+    }
+}
 
 /// Owen's nested uniform scrambling of one coordinate (Owen, *Randomly Permuted (t,m,s)-Nets
 /// and (t,s)-Sequences*, 1995): digit l is flipped or not by a random bit of its own for each
@@ -14,75 +94,55 @@ const STEP: u32 = 6;
 /// random bits.
 pub(super) struct NestedUniform {
     levels: u32,
-    /// The first `tabled` digits, scrambled: all of them, or a multiple of STEP.
-    table: Vec<u32>,
-    tabled: u32,
     /// One key for each STEP levels.
     keys: [u64; 6],
 }
 
 impl NestedUniform {
-    /// The scramble named by `key`, for 1 ≤ `levels` ≤ 32. The table is no longer than `n`
-    /// points in `dim` dimensions deserve; the digits do not depend on it.
-    pub(super) fn new(key: u64, levels: u32, n: u64, dim: usize) -> Self {
-        let keys = std::array::from_fn(|step| splitmix(key, step as u64));
-        let longest = if dim <= 4 { 3 * STEP } else { 2 * STEP };
-        let worthwhile = n.next_power_of_two().trailing_zeros().clamp(STEP, longest);
-        let tabled = if levels <= worthwhile { levels } else { worthwhile / STEP * STEP };
-        let mut table = vec![0; 1 << tabled];
-        for level in 0..tabled {
-            let (step, local) = (level / STEP, level % STEP);
-            // Backwards, so that no prefix is overwritten before it is read. The prefixes of
-            // one subtree are adjacent: its hash is needed once.
-            for subtree in (0..1u64 << (step * STEP)).rev() {
-                let nodes = splitmix(keys[step as usize], subtree);
-                for node in (0..1u64 << local).rev() {
-                    let prefix = (subtree << local | node) as usize;
-                    let flip = (nodes >> (1 << local | node)) as u32 & 1;
-                    let digits = table[prefix] << 1 | flip;
-                    table[2 * prefix] = digits;
-                    table[2 * prefix + 1] = digits ^ 1;
-                }
+    /// The scramble named by `key`, for 1 ≤ `levels` ≤ 32.
+    pub(super) fn new(key: u64, levels: u32) -> Self {
+        Self { levels, keys: std::array::from_fn(|step| splitmix(key, step as u64)) }
+    }
+
+    /// Overwrites each of a block of cells by its scrambled digits: a bijection of 0 .. 2^levels.
+    #[inline(always)]
+    pub(super) fn scramble(&self, cells: &mut [u64]) {
+        let mut flipped = [0; BLOCK];
+        let mut rest = self.levels;
+        for key in &self.keys {
+            let count = rest.min(STEP);
+            let after = rest - count;
+            for (flipped, &cell) in flipped.iter_mut().zip(cells.iter()) {
+                let nodes = splitmix(*key, cell >> rest);
+                // STEP digits, the missing ones zero: a node depends on those above it alone.
+                let local = (cell >> after) << (STEP - count) & ((1 << STEP) - 1);
+                *flipped |= flips(nodes, local) >> (STEP - count) << after;
+            }
+            rest = after;
+            if rest == 0 {
+                break;
             }
         }
-        Self { levels, table, tabled, keys }
-    }
-
-    /// The scrambled digits of a cell: a bijection of 0 .. 2^levels.
-    #[inline(always)]
-    pub(super) fn digits(&self, cell: u32) -> u32 {
-        let mut rest = self.levels - self.tabled;
-        // The mask changes nothing: it tells the compiler that the index is in range.
-        let mut digits = self.table[(cell >> rest) as usize & (self.table.len() - 1)];
-        let mut step = (self.tabled / STEP) as usize;
-        while rest > 0 {
-            let nodes = splitmix(self.keys[step], u64::from(cell >> rest));
-            let count = rest.min(STEP);
-            rest -= count;
-            // STEP digits, the missing ones zero: a node depends on those above it alone.
-            let local = (cell >> rest) << (STEP - count) & ((1 << STEP) - 1);
-            digits = digits << count | (local ^ flips(nodes, local)) >> (STEP - count);
-            step += 1;
+        for (cell, flipped) in cells.iter_mut().zip(&flipped) {
+            *cell ^= flipped;
         }
-        digits
     }
 
-    /// The scrambled coordinate of a cell, a fraction of 64 bits, with the point's own 32 bits
-    /// after the digits.
+    /// The coordinate of scrambled digits, a fraction of 64 bits, with the point's own 32 bits
+    /// after them.
     #[inline(always)]
-    pub(super) fn fraction(&self, cell: u32, own: u32) -> u64 {
-        let tail = u64::from(own) << 32 >> self.levels;
-        u64::from(self.digits(cell)) << (64 - self.levels) | tail
+    fn fraction(&self, digits: u64, own: u32) -> u64 {
+        digits << (64 - self.levels) | u64::from(own) << 32 >> self.levels
     }
 }
 
 /// The bits of the STEP nodes on the way to leaf `local` of a subtree, the top one first.
 #[inline(always)]
-fn flips(nodes: u64, local: u32) -> u32 {
-    (0..STEP).fold(0, |flips, level| {
-        let node = 1 << level | local >> (STEP - level);
-        flips << 1 | (nodes >> node) as u32 & 1
-    })
+fn flips(nodes: u64, local: u64) -> u64 {
+    // Node j of level l has bit 2^l + j.
+    let leaf = 1 << STEP | local;
+    let node = |level: u32| nodes >> (leaf >> (STEP - level)) & 1;
+    node(0) << 5 | node(1) << 4 | node(2) << 3 | node(3) << 2 | node(4) << 1 | node(5)
 }
 
 /// Nested scrambling of 32 digits by a hash, on reversed bits: each bit of the result depends
@@ -90,7 +150,7 @@ fn flips(nodes: u64, local: u32) -> u32 {
 /// Stochastic Transparency*, 2011) as improved by N. Vegdahl (*Building a Better LK Hash*,
 /// 2021).
 #[inline(always)]
-pub(super) fn hash_reversed(mut bits: u32, seed: u32) -> u32 {
+fn hash_reversed(mut bits: u32, seed: u32) -> u32 {
     bits ^= bits.wrapping_mul(0x3d20_adea);
     bits = bits.wrapping_add(seed);
     bits = bits.wrapping_mul(seed >> 16 | 1);
@@ -100,8 +160,9 @@ pub(super) fn hash_reversed(mut bits: u32, seed: u32) -> u32 {
 
 /// The middle of a cell of 2^-32.
 #[inline(always)]
-pub(super) fn cell_centre(digits: u32) -> f64 {
-    (f64::from(digits) + 0.5) * 2f64.powi(-32)
+fn cell_centre(digits: u32) -> f64 {
+    // The bits of a number in [1, 2): cheaper to make than a whole number is to convert.
+    f64::from_bits(0x3ff << 52 | u64::from(digits) << 20 | 1 << 19) - 1.0
 }
 
 /// Digits that tell `n` points apart, at least one.
@@ -113,10 +174,18 @@ pub(super) fn levels(n: u64) -> u32 {
 mod tests {
     use super::*;
 
+    impl NestedUniform {
+        fn digits(&self, cell: u32) -> u32 {
+            let mut cells = [u64::from(cell)];
+            self.scramble(&mut cells);
+            cells[0] as u32
+        }
+    }
+
     #[test]
     fn common_digits_stay_common_and_no_more() {
         for levels in [1, 5, 6, 7, 12, 13, 20, 32] {
-            let scramble = NestedUniform::new(99, levels, 1 << (levels / 2), levels as usize);
+            let scramble = NestedUniform::new(99, levels);
             let mask = (u64::MAX >> (64 - levels)) as u32;
             for i in 0..2000u64 {
                 let [a, b] = [2 * i, 2 * i + 1].map(|j| splitmix(3, j) as u32 & mask);
@@ -128,20 +197,28 @@ mod tests {
                     common(a, b),
                     "{levels}: {a:x} {b:x}"
                 );
-                let top = (scramble.fraction(a, u32::MAX) >> (64 - levels)) as u32;
-                assert_eq!(top, scramble.digits(a));
                 let [c, d] = [a, b].map(|x| hash_reversed(x.reverse_bits(), 77).reverse_bits());
                 assert_eq!(common(c, d), common(a, b));
             }
         }
     }
 
-    /// The table and the hashes are one function: a deeper tree begins like a shallow one.
+    /// A point's own bits follow its digits at once.
+    #[test]
+    fn fractions_are_full() {
+        for levels in [1, 6, 21, 32] {
+            let scramble = NestedUniform::new(99, levels);
+            let digits = u64::MAX >> (64 - levels);
+            assert_eq!(scramble.fraction(digits, u32::MAX).count_ones(), levels + 32);
+            assert_eq!(scramble.fraction(digits, 0).leading_ones(), levels);
+        }
+    }
+
     #[test]
     fn depth_does_not_change_the_first_digits() {
-        let deep = NestedUniform::new(4, 32, 1, 1);
+        let deep = NestedUniform::new(4, 32);
         for levels in 1..32 {
-            let shallow = NestedUniform::new(4, levels, 1 << levels, 2);
+            let shallow = NestedUniform::new(4, levels);
             for i in 0..200 {
                 let cell = splitmix(8, i) as u32;
                 let cut = 32 - levels;
@@ -160,7 +237,7 @@ mod tests {
         let n = 20_000;
         let mut sums = [[0i32; 8]; 8];
         for key in 0..n {
-            let scramble = NestedUniform::new(splitmix(11, key), 21, 64, 1);
+            let scramble = NestedUniform::new(splitmix(11, key), 21);
             let signs = nodes.map(|(level, prefix)| {
                 let cell = prefix << (21 - level);
                 let bit = scramble.digits(cell) >> (20 - level) & 1;

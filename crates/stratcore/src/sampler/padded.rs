@@ -4,8 +4,8 @@ use super::hash::splitmix;
 use super::owen::levels;
 use super::permutation::Permutation;
 use super::sobol::{MOST_POINTS, digital_neighbours};
-use super::zero_two::ZeroTwo;
-use super::{Kind, PointSet, Points, Sampler, Scramble};
+use super::zero_two::{Order, PaddedPoints, ZeroTwo};
+use super::{Facts, Kind, PointSet, Points, Sampler, Scramble};
 
 /// Two dimensions at a time from the (0,2)-sequence of Sobol', each pair scrambled on its own
 /// and put in a random order of its own. Every pair is as good as the first; nothing is
@@ -14,29 +14,22 @@ use super::{Kind, PointSet, Points, Sampler, Scramble};
 pub struct Padded;
 
 impl Sampler for Padded {
-    fn name(&self) -> &'static str {
-        "padded"
-    }
-    fn summary(&self) -> &'static str {
-        "(0,2)-sequences padded: 2-D Sobol' pairs, each in a random order"
-    }
-    fn source(&self) -> &'static str {
-        "Kollig & Keller 2002; Burley 2020"
-    }
-    fn stream_id(&self) -> u8 {
-        9
-    }
-    fn kind(&self) -> Kind {
-        Kind::Set
-    }
-    fn max_dim(&self) -> usize {
-        usize::MAX
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        &[Scramble::Owen, Scramble::OwenHash, Scramble::XorShift, Scramble::TorusShift]
-    }
-    fn is_randomised(&self, _scramble: Scramble) -> bool {
-        true
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "padded",
+            summary: "(0,2)-sequences padded: 2-D Sobol' pairs, each in a random order",
+            source: "Kollig & Keller 2002; Burley 2020",
+            stream_id: 9,
+            kind: Kind::Set,
+            max_dim: usize::MAX,
+            scrambles: &[
+                Scramble::Owen,
+                Scramble::OwenHash,
+                Scramble::XorShift,
+                Scramble::TorusShift,
+            ],
+            is_random: true,
+        }
     }
     fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
         (1..=MOST_POINTS).contains(&n)
@@ -50,28 +43,13 @@ impl Sampler for Padded {
         let pair = |pair| {
             let key = splitmix(bits, pair);
             // The first pair keeps its order: the set is the same.
-            let order = (pair > 0).then(|| Permutation::new(n, splitmix(key, u64::MAX)));
-            (order, ZeroTwo::new(set.scramble, key, levels(n), n, set.dim))
+            let order = match pair {
+                0 => Order::Kept,
+                _ => Order::Permuted(Permutation::new(n, splitmix(key, u64::MAX))),
+            };
+            ZeroTwo::new(set.scramble, key, levels(n), 0, order)
         };
         let pairs = (0..set.dim.div_ceil(2) as u64).map(pair).collect();
         Box::new(PaddedPoints { pairs, dim: set.dim })
-    }
-}
-
-struct PaddedPoints {
-    pairs: Vec<(Option<Permutation>, ZeroTwo)>,
-    dim: usize,
-}
-
-impl Points for PaddedPoints {
-    fn fill(&self, first: u64, points: &mut [f64]) {
-        for (pair, (order, sequence)) in self.pairs.iter().enumerate() {
-            for (index, point) in (first..).zip(points.chunks_exact_mut(self.dim)) {
-                let index = order.as_ref().map_or(index, |order| order.get(index));
-                for (x, value) in point[2 * pair..].iter_mut().zip(sequence.point(index)) {
-                    *x = value;
-                }
-            }
-        }
     }
 }

@@ -2,28 +2,56 @@
 
 use super::hash::splitmix;
 use super::memo::Memo;
-use super::{PointSet, Points};
+use super::{Facts, PointSet, Points, Sampler, Scramble};
+use crate::simd::Isa;
 use std::sync::Arc;
 
 /// Different patterns of one kind, size and dimension.
-pub(super) const PATTERNS: u32 = 4;
+const PATTERNS: u32 = 4;
 
-/// The pattern of this set. There are [`PATTERNS`] of them; trial t under seed s takes number
-/// (s + t) modulo that many. A torus shift of its own for each trial makes the estimates of
-/// trials with the same pattern independent and unbiased.
+/// A sampler whose points are sought by a costly rule: a few patterns of each size are made
+/// once and kept for the life of the process.
 ///
-/// `make` gets N, the dimension and a key, and returns the points, row-major.
-pub(super) fn pattern(
-    sampler: u8,
-    set: &PointSet,
-    make: fn(usize, usize, u64) -> Vec<f64>,
-) -> Box<dyn Points> {
-    static MADE: Memo<(u8, u64, usize, u64), f64> = Memo::new();
-    let n = set.key.n_samples;
-    let class = set.key.seed.wrapping_add(set.key.trial.into()) % u64::from(PATTERNS);
-    let key = splitmix(sampler.into(), class);
-    let points = MADE.get((sampler, n, set.dim, class), || make(n as usize, set.dim, key));
-    Box::new(StoredPoints { points, dim: set.dim })
+/// Trial t under seed s takes pattern number (s + t) modulo as many as there are. A torus shift
+/// of its own for each trial makes the estimates of trials with the same pattern independent
+/// and unbiased; unshifted, patterns serve for no more trials than there are of them.
+#[derive(Debug)]
+pub struct Pattern {
+    pub(super) facts: Facts,
+    /// Least dimension; [`Facts::max_dim`] is the largest.
+    pub(super) min_dim: usize,
+    /// The largest N.
+    pub(super) most: u64,
+    /// Makes a pattern, row-major, of N, the dimension and a key.
+    pub(super) make: fn(usize, usize, u64) -> Vec<f64>,
+}
+
+impl Sampler for Pattern {
+    fn facts(&self) -> Facts {
+        self.facts
+    }
+    fn most_trials(&self, _n: u64, scramble: Scramble) -> u32 {
+        if scramble == Scramble::None { PATTERNS } else { u32::MAX }
+    }
+    fn admits(&self, n: u64, dim: usize, _rectangular: bool) -> bool {
+        dim >= self.min_dim && (1..=self.most).contains(&n)
+    }
+    fn neighbours(&self, n: u64, dim: usize) -> (Option<u64>, Option<u64>) {
+        match n {
+            _ if dim < self.min_dim => (None, None),
+            0 => (None, Some(1)),
+            _ => (Some(self.most), None),
+        }
+    }
+    fn construct(&self, set: &PointSet) -> Box<dyn Points> {
+        static MADE: Memo<(u8, u64, usize, u64), f64> = Memo::new();
+        let (sampler, n) = (self.facts.stream_id, set.key.n_samples);
+        let class = set.key.seed.wrapping_add(set.key.trial.into()) % u64::from(PATTERNS);
+        let key = splitmix(sampler.into(), class);
+        let make = || (self.make)(n as usize, set.dim, key);
+        let points = MADE.get((sampler, n, set.dim, class), make);
+        Box::new(StoredPoints { points, dim: set.dim })
+    }
 }
 
 /// Points in memory.
@@ -33,7 +61,7 @@ pub(super) struct StoredPoints {
 }
 
 impl Points for StoredPoints {
-    fn fill(&self, first: u64, points: &mut [f64]) {
+    fn fill_with(&self, _isa: Isa, first: u64, points: &mut [f64]) {
         let at = first as usize * self.dim;
         points.copy_from_slice(&self.points[at..at + points.len()]);
     }

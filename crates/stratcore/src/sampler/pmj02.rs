@@ -1,7 +1,8 @@
 //! Progressive multi-jittered (0,2)-sequences.
 
-use super::sobol::{Columns, DigitalPoints, MOST_POINTS, digital_neighbours};
-use super::{Kind, PointSet, Points, Sampler, Scramble};
+use super::digital::{Columns, DigitalPoints};
+use super::sobol::{MOST_POINTS, digital_neighbours};
+use super::{Facts, Kind, PointSet, Points, Sampler, Scramble};
 
 /// Progressive multi-jittered (0,2) points: every prefix of 2^m points is stratified in all
 /// elementary intervals.
@@ -14,29 +15,17 @@ use super::{Kind, PointSet, Points, Sampler, Scramble};
 pub struct Pmj02;
 
 impl Sampler for Pmj02 {
-    fn name(&self) -> &'static str {
-        "pmj02"
-    }
-    fn summary(&self) -> &'static str {
-        "progressive multi-jittered (0,2)-sequence; best at N = 2^m"
-    }
-    fn source(&self) -> &'static str {
-        "Christensen, Kensler & Kilpatrick 2018; Helmer, Christensen & Kensler 2021"
-    }
-    fn stream_id(&self) -> u8 {
-        10
-    }
-    fn kind(&self) -> Kind {
-        Kind::Sequence
-    }
-    fn max_dim(&self) -> usize {
-        2
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        &[Scramble::None, Scramble::TorusShift]
-    }
-    fn is_randomised(&self, _scramble: Scramble) -> bool {
-        true
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "pmj02",
+            summary: "progressive multi-jittered (0,2)-sequence; best at N = 2^m",
+            source: "Christensen, Kensler & Kilpatrick 2018; Helmer, Christensen & Kensler 2021",
+            stream_id: 10,
+            kind: Kind::Sequence,
+            max_dim: 2,
+            scrambles: &[Scramble::None, Scramble::TorusShift],
+            is_random: true,
+        }
     }
     fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
         (1..=MOST_POINTS).contains(&n)
@@ -51,7 +40,7 @@ impl Sampler for Pmj02 {
     }
 }
 
-const MATRICES: [Columns; 2] = [stirling_columns(0), stirling_columns(1)];
+static MATRICES: [Columns; 2] = [stirling_columns(0), stirling_columns(1)];
 
 /// Column c has s(c + offset, k + offset) modulo 2 as digit k.
 const fn stirling_columns(offset: usize) -> Columns {
@@ -61,7 +50,7 @@ const fn stirling_columns(offset: usize) -> Columns {
     let mut n = 0;
     while n < 32 + offset {
         if n >= offset {
-            columns[n - offset] = ((row >> offset) as u32).reverse_bits();
+            columns[n - offset] = (row >> offset) as u32;
         }
         row = row << 1 ^ if n % 2 == 1 { row } else { 0 };
         n += 1;

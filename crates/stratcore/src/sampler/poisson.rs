@@ -1,58 +1,28 @@
 //! Poisson-disk patterns with an exact number of points.
 
 use super::hash::{splitmix, unit};
-use super::patterns::{PATTERNS, TorusGrid, pattern};
-use super::{Kind, PointSet, Points, Sampler, Scramble};
+use super::patterns::{Pattern, TorusGrid};
+use super::{Facts, Kind, Scramble};
 
 /// Uniform points on the torus, none nearer to another than a radius. The radius starts at that
 /// of dense packing and shrinks whenever no room is found, until all N points have their
 /// place.
-///
-/// Patterns are made once and kept; a torus shift moves them.
-#[derive(Debug, Clone, Copy)]
-pub struct Poisson;
-
-/// The largest N: a tenth of a second.
-const MOST: u64 = 4096;
-
-impl Sampler for Poisson {
-    fn name(&self) -> &'static str {
-        "poisson"
-    }
-    fn summary(&self) -> &'static str {
-        "Poisson-disk pattern on the torus, exactly N points"
-    }
-    fn source(&self) -> &'static str {
-        "Cook 1986; relaxation dart throwing: McCool & Fiume 1992"
-    }
-    fn stream_id(&self) -> u8 {
-        13
-    }
-    fn kind(&self) -> Kind {
-        Kind::Set
-    }
-    fn max_dim(&self) -> usize {
-        4
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        &[Scramble::TorusShift, Scramble::None]
-    }
-    fn is_randomised(&self, scramble: Scramble) -> bool {
-        scramble != Scramble::None
-    }
-    fn most_trials(&self, _n: u64, scramble: Scramble) -> u32 {
-        if scramble == Scramble::None { PATTERNS } else { u32::MAX }
-    }
-    fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
-        (1..=MOST).contains(&n)
-    }
-    fn neighbours(&self, n: u64, _dim: usize) -> (Option<u64>, Option<u64>) {
-        if n == 0 { (None, Some(1)) } else { (Some(MOST), None) }
-    }
-    fn construct(&self, set: &PointSet) -> Box<dyn Points> {
-        pattern(self.stream_id(), set, throw_darts)
-    }
-}
+pub const POISSON: Pattern = Pattern {
+    facts: Facts {
+        name: "poisson",
+        summary: "Poisson-disk pattern on the torus, exactly N points",
+        source: "Cook 1986; relaxation dart throwing: McCool & Fiume 1992",
+        stream_id: 13,
+        kind: Kind::Set,
+        max_dim: 4,
+        scrambles: &[Scramble::TorusShift, Scramble::None],
+        is_random: false,
+    },
+    min_dim: 1,
+    // A tenth of a second.
+    most: 4096,
+    make: throw_darts,
+};
 
 fn throw_darts(n: usize, dim: usize, key: u64) -> Vec<f64> {
     // Hexagonal packing in the plane (2/√3 N)^(1/2); a little more than that elsewhere.

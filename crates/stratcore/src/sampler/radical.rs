@@ -2,6 +2,7 @@
 
 use super::hash::{splitmix, unit};
 use super::{BELOW_ONE, Scramble};
+use crate::simd::{self, BLOCK, Divisor, Isa, Loop};
 
 /// One coordinate of a Halton sequence: the digits of the index in base b, mirrored at the
 /// point and scrambled.
@@ -26,7 +27,7 @@ pub(super) struct RadicalInverse {
     rest_scale: u64,
     rest: usize,
     /// b^(all digits), exact: it is below 2^46.
-    scale: f64,
+    scale: Divisor,
 }
 
 /// Most digits after the table: those of 2^32 in base 2 beside the shorter table.
@@ -43,35 +44,57 @@ impl RadicalInverse {
         while power < n {
             power *= base;
             all += 1;
-            if power <= longest_table {
+            // The table has no entry for an index that is not there.
+            if power.min(n) <= longest_table {
                 (tabled, period) = (all, power);
             }
         }
         let digits = DigitMaps::new(scramble, key);
-        let table = table(base, tabled, period.min(n) as usize, &digits);
+        let table = table(Isa::detect(), base, tabled, period.min(n) as usize, &digits);
         let rest = (all - tabled) as usize;
         let rest_scale = power / period;
         let tail = Tail::new(scramble, key);
-        Self { base, digits, tail, table, tabled, period, rest_scale, rest, scale: power as f64 }
+        Self {
+            base,
+            digits,
+            tail,
+            table,
+            tabled,
+            period,
+            rest_scale,
+            rest,
+            scale: Divisor::new(power),
+        }
     }
 
     /// Overwrites coordinate `axis` of the row-major `points` with those of indices `first ..`.
-    pub(super) fn fill(&self, first: u64, points: &mut [f64], axis: usize, dim: usize) {
-        let (mut high, mut low) = (first / self.period, first % self.period);
-        let mut digits = self.rest_digits(high);
-        let mut common = self.mirror_rest(&digits, 0);
-        for point in points.chunks_exact_mut(dim) {
-            if low == self.period {
-                (high, low) = (high + 1, 0);
-                digits = self.rest_digits(high);
-                common = self.mirror_rest(&digits, 0);
-            }
-            let own = self.digits.nested && self.rest > 0;
+    pub(super) fn fill(&self, isa: Isa, first: u64, points: &mut [f64], axis: usize, dim: usize) {
+        let mut first = first;
+        let mut rest = points;
+        let mut mirrored = [0; BLOCK];
+        while !rest.is_empty() {
+            // As far as the table goes without beginning anew.
+            let low = first % self.period;
+            let len = (BLOCK as u64).min(self.period - low) as usize;
+            let run;
+            (run, rest) = rest.split_at_mut((len * dim).min(rest.len()));
+            let len = run.len() / dim;
+            self.mirror(first / self.period, low, &mut mirrored[..len]);
+            let (tail, scale) = (&self.tail, self.scale);
+            simd::run(isa, FractionLoop { cells: &mirrored[..len], tail, scale, run, axis, dim });
+            first += len as u64;
+        }
+    }
+
+    /// Mirrored and scrambled indices high·period + low ..
+    fn mirror(&self, high: u64, low: u64, mirrored: &mut [u64]) {
+        let digits = self.rest_digits(high);
+        let own = self.digits.nested && self.rest > 0;
+        let common = if own { 0 } else { self.mirror_rest(&digits, 0) };
+        let table = &self.table[low as usize..];
+        for ((low, mirrored), tabled) in (low..).zip(mirrored).zip(table) {
             let rest = if own { self.mirror_rest(&digits, low) } else { common };
-            let mirrored = u64::from(self.table[low as usize]) * self.rest_scale + rest;
-            let x = (mirrored as f64 + self.tail.at(mirrored)) / self.scale;
-            point[axis] = x.min(BELOW_ONE);
-            low += 1;
+            *mirrored = u64::from(*tabled) * self.rest_scale + rest;
         }
     }
 
@@ -101,26 +124,73 @@ impl RadicalInverse {
     }
 }
 
+/// Writes (cell + tail) / scale for each cell to one coordinate of the points of a run.
+pub(super) struct FractionLoop<'a> {
+    pub(super) cells: &'a [u64],
+    pub(super) tail: &'a Tail,
+    pub(super) scale: Divisor,
+    pub(super) run: &'a mut [f64],
+    pub(super) axis: usize,
+    pub(super) dim: usize,
+}
+
+impl Loop for FractionLoop<'_> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let Self { cells, tail, scale, run, axis, dim } = self;
+        for (point, &cell) in run.chunks_exact_mut(dim).zip(cells) {
+            let x = scale.divide::<FMA>(cell as f64 + tail.at(cell));
+            point[axis] = x.min(BELOW_ONE);
+        }
+    }
+}
+
 /// Mirrors and scrambles the first `digits` digits of 0 .. `len`, level by level.
-fn table(base: u64, digits: u32, len: usize, maps: &DigitMaps) -> Vec<u32> {
+fn table(isa: Isa, base: u64, digits: u32, len: usize, maps: &DigitMaps) -> Vec<u32> {
     let mut table = vec![0u32; len];
     let mut width = 1;
     for level in 0..digits {
         let level_key = maps.level_key(level);
-        for prefix in 0..width.min(len) {
-            let (factor, start) = maps.map(level_key, base, prefix as u64);
-            let base = base as u32;
-            let before = table[prefix] * base;
-            let mut digit = start;
-            for entry in table[prefix..].iter_mut().step_by(width).take(base as usize) {
-                *entry = before + digit;
-                digit += factor;
-                digit -= if digit >= base { base } else { 0 };
-            }
-        }
+        simd::run(isa, LevelLoop { table: &mut table, width, base, level_key, maps });
         width *= base as usize;
     }
     table
+}
+
+/// Appends one digit to the table's first `width` entries, so that there are `base` as many.
+struct LevelLoop<'a> {
+    table: &'a mut [u32],
+    width: usize,
+    base: u64,
+    level_key: u64,
+    maps: &'a DigitMaps,
+}
+
+impl Loop for LevelLoop<'_> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let Self { table, width, base, level_key, maps } = self;
+        let base32 = base as u32;
+        for block in (0..width.min(table.len())).step_by(BLOCK) {
+            let len = BLOCK.min(width - block).min(table.len() - block);
+            let (mut digits, mut before) = ([(0, 0); BLOCK], [0; BLOCK]);
+            let (digits, before) = (&mut digits[..len], &mut before[..len]);
+            for (prefix, map) in (block as u64..).zip(digits.iter_mut()) {
+                *map = maps.map(level_key, base, prefix);
+            }
+            for (before, entry) in before.iter_mut().zip(&table[block..]) {
+                *before = entry * base32;
+            }
+            for at in (block..table.len()).step_by(width).take(base as usize) {
+                let states = digits.iter_mut().zip(before.iter());
+                for (entry, ((factor, digit), before)) in table[at..].iter_mut().zip(states) {
+                    *entry = before + *digit;
+                    let next = *digit + *factor;
+                    *digit = if next >= base32 { next - base32 } else { next };
+                }
+            }
+        }
+    }
 }
 
 /// Which affine map a digit goes through.
@@ -205,7 +275,7 @@ mod tests {
 
     fn coordinates(base: u64, n: u64, scramble: Scramble, first: u64, len: usize) -> Vec<f64> {
         let mut points = vec![0.0; len];
-        RadicalInverse::new(base, n, scramble, 17, 9).fill(first, &mut points, 0, 1);
+        RadicalInverse::new(base, n, scramble, 17, 9).fill(Isa::detect(), first, &mut points, 0, 1);
         points
     }
 

@@ -1,7 +1,8 @@
 //! Rank-1 lattices.
 
 use super::memo::Memo;
-use super::{BELOW_ONE, Kind, PointSet, Points, Sampler, Scramble};
+use super::{BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble};
+use crate::simd::Isa;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -21,29 +22,17 @@ const MOST_SOUGHT: u64 = 1 << 20;
 const MOST: u64 = 1 << 32;
 
 impl Sampler for RankOne {
-    fn name(&self) -> &'static str {
-        "rank1"
-    }
-    fn summary(&self) -> &'static str {
-        "rank-1 lattice: Fibonacci in 2-D, Korobov above"
-    }
-    fn source(&self) -> &'static str {
-        "Korobov 1959; Sloan & Joe 1994; tent: Hickernell 2002"
-    }
-    fn stream_id(&self) -> u8 {
-        11
-    }
-    fn kind(&self) -> Kind {
-        Kind::Set
-    }
-    fn max_dim(&self) -> usize {
-        64
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        &[Scramble::TorusShift, Scramble::Tent, Scramble::None]
-    }
-    fn is_randomised(&self, scramble: Scramble) -> bool {
-        scramble != Scramble::None
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "rank1",
+            summary: "rank-1 lattice: Fibonacci in 2-D, Korobov above",
+            source: "Korobov 1959; Sloan & Joe 1994; tent: Hickernell 2002",
+            stream_id: 11,
+            kind: Kind::Set,
+            max_dim: 64,
+            scrambles: &[Scramble::TorusShift, Scramble::Tent, Scramble::None],
+            is_random: false,
+        }
     }
     fn admits(&self, n: u64, dim: usize, _rectangular: bool) -> bool {
         (1..=if dim <= 2 { MOST } else { MOST_SOUGHT }).contains(&n)
@@ -125,7 +114,7 @@ struct LatticePoints {
 }
 
 impl Points for LatticePoints {
-    fn fill(&self, first: u64, points: &mut [f64]) {
+    fn fill_with(&self, _isa: Isa, first: u64, points: &mut [f64]) {
         let dim = self.generator.len();
         for (axis, z) in self.generator.iter().enumerate() {
             let mut residue = first % self.n * z % self.n;

@@ -1,8 +1,9 @@
 //! The Kronecker sequence R_d.
 
 use super::hash::unit;
-use super::{Kind, PointSet, Points, Sampler, Scramble};
+use super::{Facts, Kind, PointSet, Points, Sampler, Scramble};
 use crate::rng::StreamKey;
+use crate::simd::Isa;
 
 /// Multiples of a fixed vector modulo 1: (φ^-1, φ^-2, …, φ^-d), where φ solves φ^(d+1) = φ + 1,
 /// from the centre of the cube on. In one dimension φ is the golden ratio, in two the plastic
@@ -11,30 +12,18 @@ use crate::rng::StreamKey;
 pub struct Rd;
 
 impl Sampler for Rd {
-    fn name(&self) -> &'static str {
-        "rd"
-    }
-    fn summary(&self) -> &'static str {
-        "R_d: Kronecker sequence of the generalised golden ratio, any N"
-    }
-    fn source(&self) -> &'static str {
-        "Kronecker; Roberts 2018"
-    }
-    fn stream_id(&self) -> u8 {
-        12
-    }
-    fn kind(&self) -> Kind {
-        Kind::Sequence
-    }
-    fn max_dim(&self) -> usize {
-        // Beyond, the steps of several axes differ by little and the axes move together.
-        32
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        &[Scramble::TorusShift, Scramble::None]
-    }
-    fn is_randomised(&self, scramble: Scramble) -> bool {
-        scramble != Scramble::None
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "rd",
+            summary: "R_d: Kronecker sequence of the generalised golden ratio, any N",
+            source: "Kronecker; Roberts 2018",
+            stream_id: 12,
+            kind: Kind::Sequence,
+            // Beyond, the steps of several axes differ by little and the axes move together.
+            max_dim: 32,
+            scrambles: &[Scramble::TorusShift, Scramble::None],
+            is_random: false,
+        }
     }
     fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
         (1..StreamKey::MAX_SAMPLES).contains(&n)
@@ -71,7 +60,7 @@ struct KroneckerPoints {
 }
 
 impl Points for KroneckerPoints {
-    fn fill(&self, first: u64, points: &mut [f64]) {
+    fn fill_with(&self, _isa: Isa, first: u64, points: &mut [f64]) {
         const CENTRE: u64 = 1 << 63;
         for (index, point) in (first..).zip(points.chunks_exact_mut(self.steps.len())) {
             for (x, step) in point.iter_mut().zip(&self.steps) {

@@ -3,6 +3,7 @@
 use super::hash::{splitmix, unit};
 use super::{BELOW_ONE, PointSet, Points};
 use crate::error::StudyError;
+use crate::simd::{self, Isa, Loop};
 
 /// How a point set is made random when its construction is not, or made random once more.
 /// Always named beside the sampler, never implied.
@@ -82,31 +83,52 @@ impl std::str::FromStr for Scramble {
 /// Any points, shifted on the torus and perhaps folded.
 pub(super) struct Shifted {
     points: Box<dyn Points>,
-    shift: Vec<f64>,
+    /// The shift, over and over, for [`REPEATS`] points.
+    shifts: Vec<f64>,
     fold: bool,
 }
+
+/// Points that are shifted at a time.
+const REPEATS: usize = 32;
 
 impl Shifted {
     /// `fold` makes it [`Scramble::Tent`].
     pub(super) fn new(points: Box<dyn Points>, set: &PointSet, fold: bool) -> Self {
         // No sampler uses the last number of its stream's scramble bits.
         let key = splitmix(set.key.stream().scramble_bits(), u64::MAX);
-        let shift = (0..set.dim as u64).map(|axis| unit(splitmix(key, axis))).collect();
-        Self { points, shift, fold }
+        let mut shifts = Vec::with_capacity(REPEATS * set.dim);
+        shifts.extend((0..set.dim as u64).map(|axis| unit(splitmix(key, axis))));
+        for _ in 1..REPEATS {
+            shifts.extend_from_within(..set.dim);
+        }
+        Self { points, shifts, fold }
     }
 }
 
 impl Points for Shifted {
-    fn fill(&self, first: u64, points: &mut [f64]) {
-        self.points.fill(first, points);
-        for point in points.chunks_exact_mut(self.shift.len()) {
-            for (x, shift) in point.iter_mut().zip(&self.shift) {
+    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
+        self.points.fill_with(isa, first, points);
+        simd::run(isa, ShiftLoop { shifts: &self.shifts, points, fold: self.fold });
+    }
+}
+
+struct ShiftLoop<'a> {
+    shifts: &'a [f64],
+    points: &'a mut [f64],
+    fold: bool,
+}
+
+impl Loop for ShiftLoop<'_> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        for run in self.points.chunks_mut(self.shifts.len()) {
+            for (x, shift) in run.iter_mut().zip(self.shifts) {
                 let moved = *x + shift;
                 *x = if moved >= 1.0 { moved - 1.0 } else { moved };
             }
         }
         if self.fold {
-            for x in points {
+            for x in self.points {
                 *x = (1.0 - (2.0 * *x - 1.0).abs()).min(BELOW_ONE);
             }
         }
@@ -140,7 +162,7 @@ mod tests {
 
     struct Extremes;
     impl Points for Extremes {
-        fn fill(&self, _first: u64, points: &mut [f64]) {
+        fn fill_with(&self, _isa: Isa, _first: u64, points: &mut [f64]) {
             for (x, value) in points.iter_mut().zip([0.0, BELOW_ONE, 0.5, f64::MIN_POSITIVE]) {
                 *x = value;
             }
@@ -151,7 +173,7 @@ mod tests {
     fn extreme_points_stay_in_the_unit_interval() {
         for shift in [0.0, f64::MIN_POSITIVE, 0.5, BELOW_ONE] {
             for fold in [false, true] {
-                let shifted = Shifted { points: Box::new(Extremes), shift: vec![shift], fold };
+                let shifted = Shifted { points: Box::new(Extremes), shifts: vec![shift], fold };
                 let mut points = [0.0; 4];
                 shifted.fill(0, &mut points);
                 assert!(points.iter().all(|x| (0.0..1.0).contains(x)), "{shift}: {points:?}");

@@ -1,8 +1,11 @@
-//! The (0,2)-sequence of the first two Sobol' dimensions, point by point.
+//! The (0,2)-sequence of the first two Sobol' dimensions, and points made of several.
 
-use super::Scramble;
-use super::hash::{splitmix, unit};
-use super::owen::{NestedUniform, cell_centre, hash_reversed};
+use super::Points;
+use super::hash::splitmix;
+use super::owen::{DigitScramble, NestedUniform, OwnBits};
+use super::permutation::Permutation;
+use super::scramble::Scramble;
+use crate::simd::{self, BLOCK, Isa, Loop};
 
 /// Both coordinates of a point, as 32 digits with the leading one lowest.
 ///
@@ -21,56 +24,100 @@ fn mirrored_point(index: u64) -> [u32; 2] {
     [index as u32, sums]
 }
 
-/// A scrambled (0,2)-sequence.
-pub(super) enum ZeroTwo {
-    /// XORed with two words; none for zeros.
-    Xor([u64; 2]),
-    /// Truly scrambled in as many digits as `levels` says; `own` is the key of the points' own
-    /// bits.
-    Nested { axes: [NestedUniform; 2], levels: u32, own: u64 },
-    /// Hashed.
-    Hashed([u32; 2]),
+/// A scrambled (0,2)-sequence, in an order of one's own: two coordinates of a point set.
+pub(super) struct ZeroTwo {
+    axes: [DigitScramble; 2],
+    /// Key of the bits that truly scrambled points have of their own.
+    own: u64,
+    /// Index of the set's first point in the sequence.
+    start: u64,
+    order: Order,
+}
+
+/// In which order a set takes the points of a sequence.
+pub(super) enum Order {
+    /// In the sequence's.
+    Kept,
+    /// In any.
+    Permuted(Permutation),
+    /// In one that keeps aligned runs of 2^k points together.
+    Nested(NestedUniform),
 }
 
 impl ZeroTwo {
-    /// The sequence scrambled by `key`, for `n` points of a set in `dim` dimensions. True
-    /// scrambling works on `levels` digits, which must tell the points apart.
-    pub(super) fn new(scramble: Scramble, key: u64, levels: u32, n: u64, dim: usize) -> Self {
-        let keys = [splitmix(key, 0), splitmix(key, 1)];
-        match scramble {
-            Scramble::Owen => Self::Nested {
-                axes: keys.map(|key| NestedUniform::new(key, levels, n, dim)),
-                levels,
-                own: splitmix(key, 2),
-            },
-            Scramble::OwenHash => Self::Hashed(keys.map(|key| key as u32)),
-            Scramble::XorShift => Self::Xor(keys),
-            _ => Self::Xor([0, 0]),
-        }
+    /// The sequence scrambled by `key`, from index `start` on. True scrambling works on
+    /// `levels` digits, which must tell the points apart.
+    pub(super) fn new(scramble: Scramble, key: u64, levels: u32, start: u64, order: Order) -> Self {
+        let axis = |axis| DigitScramble::new(scramble, splitmix(key, axis), levels);
+        Self { axes: [axis(0), axis(1)], own: splitmix(key, 2), start, order }
     }
 
-    /// The point of this index.
+    /// Both coordinates of the set's points `first .. first + len`, at most a block.
     #[inline(always)]
-    pub(super) fn point(&self, index: u64) -> [f64; 2] {
-        let [x, y] = mirrored_point(index);
-        match self {
-            Self::Xor([a, b]) => [(x, a), (y, b)]
-                .map(|(digits, shift)| unit(u64::from(digits.reverse_bits()) << 32 ^ shift)),
-            Self::Nested { axes: [a, b], levels, own } => {
-                let own = splitmix(*own, index);
-                [(x, a, own as u32), (y, b, (own >> 32) as u32)].map(|(digits, scramble, own)| {
-                    unit(scramble.fraction(digits.reverse_bits() >> (32 - levels), own))
-                })
+    fn block(&self, first: u64, len: usize) -> [[f64; BLOCK]; 2] {
+        let mut indices: [u64; BLOCK] = std::array::from_fn(|i| first + i as u64);
+        match &self.order {
+            Order::Kept => {}
+            Order::Permuted(order) => {
+                indices[..len].iter_mut().for_each(|index| *index = order.get(*index));
             }
-            Self::Hashed([a, b]) => [(x, a), (y, b)]
-                .map(|(digits, seed)| cell_centre(hash_reversed(digits, *seed).reverse_bits())),
+            Order::Nested(order) => order.scramble(&mut indices[..len]),
+        }
+        let (mut xs, mut ys) = ([0; BLOCK], [0; BLOCK]);
+        for (index, (x, y)) in indices.iter_mut().zip(xs.iter_mut().zip(&mut ys)) {
+            *index += self.start;
+            [*x, *y] = mirrored_point(*index);
+        }
+        let mut block = [[0.0; BLOCK]; 2];
+        let [a, b] = &mut block;
+        self.axes[0].coordinates(&xs, &indices, OwnBits::new(self.own, 0), &mut a[..len]);
+        self.axes[1].coordinates(&ys, &indices, OwnBits::new(self.own, 1), &mut b[..len]);
+        block
+    }
+}
+
+/// Points whose coordinates come from a sequence for each two.
+pub(super) struct PaddedPoints {
+    pub(super) pairs: Vec<ZeroTwo>,
+    pub(super) dim: usize,
+}
+
+impl Points for PaddedPoints {
+    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
+        for (pair, sequence) in self.pairs.iter().enumerate() {
+            simd::run(isa, PairLoop { sequence, first, points, axis: 2 * pair, dim: self.dim });
+        }
+    }
+}
+
+/// Coordinates `axis` and, where there is one, the next of points `first ..`.
+struct PairLoop<'a> {
+    sequence: &'a ZeroTwo,
+    first: u64,
+    points: &'a mut [f64],
+    axis: usize,
+    dim: usize,
+}
+
+impl Loop for PairLoop<'_> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let Self { sequence, first, points, axis, dim } = self;
+        let blocks = points.chunks_mut(BLOCK * dim);
+        for (first, run) in (first..).step_by(BLOCK).zip(blocks) {
+            let [xs, ys] = sequence.block(first, run.len() / dim);
+            for (point, (x, y)) in run.chunks_exact_mut(dim).zip(xs.iter().zip(&ys)) {
+                for (coordinate, value) in point[axis..].iter_mut().zip([*x, *y]) {
+                    *coordinate = value;
+                }
+            }
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::sobol::sobol_columns;
+    use super::super::sobol::sobol_matrices;
     use super::*;
 
     #[test]
@@ -80,9 +127,9 @@ mod tests {
             let by_columns = [0, 1].map(|dim| {
                 (0..32)
                     .filter(|bit| index >> bit & 1 == 1)
-                    .fold(0, |x, bit| x ^ sobol_columns()[dim][bit])
+                    .fold(0, |x, bit| x ^ sobol_matrices()[dim][bit])
             });
-            assert_eq!(mirrored_point(index.into()).map(u32::reverse_bits), by_columns);
+            assert_eq!(mirrored_point(index.into()), by_columns);
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use super::hash::{below, splitmix};
 use super::owen::{NestedUniform, levels};
-use super::zero_two::ZeroTwo;
-use super::{Kind, PointSet, Points, Sampler, Scramble};
+use super::zero_two::{Order, PaddedPoints, ZeroTwo};
+use super::{Facts, Kind, PointSet, Points, Sampler, Scramble};
 use crate::rng::StreamKey;
 
 /// A (0,2)-sequence dealt out to pixels in Z-order, N consecutive points to each. Every aligned
@@ -23,29 +23,17 @@ const MOST_BITS: u32 = 24;
 const QUAD_LEVELS: u32 = StreamKey::MAX_PIXEL.trailing_zeros();
 
 impl Sampler for ZSobol {
-    fn name(&self) -> &'static str {
-        "zsobol"
-    }
-    fn summary(&self) -> &'static str {
-        "(0,2)-sequence dealt to pixels in shuffled Z-order: blue-noise error on screen"
-    }
-    fn source(&self) -> &'static str {
-        "Ahmed & Wonka 2020"
-    }
-    fn stream_id(&self) -> u8 {
-        16
-    }
-    fn kind(&self) -> Kind {
-        Kind::Set
-    }
-    fn max_dim(&self) -> usize {
-        usize::MAX
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        &[Scramble::OwenHash, Scramble::Owen, Scramble::TorusShift]
-    }
-    fn is_randomised(&self, _scramble: Scramble) -> bool {
-        true
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "zsobol",
+            summary: "(0,2)-sequence dealt to pixels in shuffled Z-order: blue-noise error on screen",
+            source: "Ahmed & Wonka 2020",
+            stream_id: 16,
+            kind: Kind::Set,
+            max_dim: usize::MAX,
+            scrambles: &[Scramble::OwenHash, Scramble::Owen, Scramble::TorusShift],
+            is_random: true,
+        }
     }
     fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
         n.is_power_of_two() && n <= 1 << MOST_BITS
@@ -62,17 +50,20 @@ impl Sampler for ZSobol {
         let place = z_order(set.key.pixel);
         let pair = |pair| {
             let key = splitmix(bits, pair);
-            let order =
-                NestedUniform::new(splitmix(splitmix(key, 3), place), levels(n), n, set.dim);
-            Pair {
-                // The first pair keeps its order: the set is the same.
-                order: (pair > 0 && n > 1).then_some(order),
-                start: shuffled(place, splitmix(key, 4)) * n,
-                sequence: ZeroTwo::new(set.scramble, key, 32, n, set.dim),
-            }
+            // The first pair keeps its order: the set is the same.
+            let order = match pair {
+                0 => Order::Kept,
+                _ if n == 1 => Order::Kept,
+                _ => {
+                    let key = splitmix(splitmix(key, 3), place);
+                    Order::Nested(NestedUniform::new(key, levels(n)))
+                }
+            };
+            let start = shuffled(place, splitmix(key, 4)) * n;
+            ZeroTwo::new(set.scramble, key, 32, start, order)
         };
         let pairs = (0..set.dim.div_ceil(2) as u64).map(pair).collect();
-        Box::new(DealtPoints { pairs, dim: set.dim })
+        Box::new(PaddedPoints { pairs, dim: set.dim })
     }
 }
 
@@ -96,35 +87,6 @@ fn shuffled(place: u64, key: u64) -> u64 {
         }
         result | quarters[(place >> (2 * level) & 3) as usize] << (2 * level)
     })
-}
-
-struct DealtPoints {
-    pairs: Vec<Pair>,
-    dim: usize,
-}
-
-/// Two dimensions of a pixel.
-struct Pair {
-    order: Option<NestedUniform>,
-    start: u64,
-    sequence: ZeroTwo,
-}
-
-impl Points for DealtPoints {
-    fn fill(&self, first: u64, points: &mut [f64]) {
-        for (pair, dealt) in self.pairs.iter().enumerate() {
-            for (index, point) in (first..).zip(points.chunks_exact_mut(self.dim)) {
-                let index = match &dealt.order {
-                    Some(order) => u64::from(order.digits(index as u32)),
-                    None => index,
-                };
-                let values = dealt.sequence.point(dealt.start + index);
-                for (x, value) in point[2 * pair..].iter_mut().zip(values) {
-                    *x = value;
-                }
-            }
-        }
-    }
 }
 
 #[cfg(test)]

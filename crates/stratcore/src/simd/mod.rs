@@ -7,6 +7,7 @@
 #![expect(unsafe_code, reason = "calling a function compiled for a CPU feature is unsafe")]
 
 mod cells;
+mod fill;
 mod kernel;
 mod types;
 mod vector;
@@ -14,8 +15,10 @@ mod vector;
 mod x86;
 
 use crate::rng::Stream;
+use std::sync::OnceLock;
 
 pub(crate) use cells::Cells;
+pub(crate) use fill::{BLOCK, Divisor, Loop, run};
 pub(crate) use kernel::Placement;
 pub(crate) use types::{
     Entry, Exact, Facet32, Ground, Lanes4, Pixel32, Rect, Shading, Strata, Work,
@@ -40,7 +43,8 @@ impl Isa {
 
     /// The best of this machine.
     pub fn detect() -> Self {
-        Self::available().last().copied().unwrap_or(Self::BASELINE)
+        static BEST: OnceLock<Isa> = OnceLock::new();
+        *BEST.get_or_init(|| Self::available().last().copied().unwrap_or(Self::BASELINE))
     }
 
     /// Those that this machine runs, the plain twin first and the best last.

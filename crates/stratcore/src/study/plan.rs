@@ -78,6 +78,13 @@ impl StudyPlan {
         if self.samplers.is_empty() {
             return Err(StudyError::EmptyPlan("samplers"));
         }
+        for (i, SamplerChoice { sampler, scramble }) in self.samplers.iter().enumerate() {
+            let (sampler, scramble) = (sampler.name(), *scramble);
+            let before = &self.samplers[..i];
+            if before.iter().any(|c| c.sampler.name() == sampler && c.scramble == scramble) {
+                return Err(StudyError::SamplerTwice { sampler, scramble });
+            }
+        }
         if self.counts.is_empty() {
             return Err(StudyError::EmptyPlan("sample counts"));
         }
@@ -114,6 +121,18 @@ mod tests {
         assert!(matches!(name("sobol+ovens"), Err(StudyError::UnknownScramble { .. })));
         assert!(matches!(name("sobel+owen"), Err(StudyError::UnknownSampler { .. })));
         assert!(matches!(name("file:a+b.csv"), Err(StudyError::PointFile(_))));
+    }
+
+    #[test]
+    fn a_sampler_is_listed_once() {
+        let plan = |names: [&str; 2]| StudyPlan {
+            samplers: names.map(|name| SamplerChoice::named(name).unwrap()).to_vec(),
+            counts: vec![4],
+            ..StudyPlan::paper()
+        };
+        let error = plan(["sobol", "sobol+owen"]).counts_used(2).unwrap_err();
+        assert!(error.to_string().contains("sobol with the scramble owen twice"), "{error}");
+        assert!(plan(["sobol", "sobol+owen-hash"]).counts_used(2).is_ok());
     }
 
     #[test]
