@@ -26,6 +26,7 @@ use crate::beam::PixelBeam;
 use crate::sampler::strata_per_axis;
 use polygon::Polygon;
 use polynomial::{Fitter, Polynomial};
+use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::sync::OnceLock;
 use strata::{Axis, variance_within};
@@ -92,6 +93,13 @@ pub enum Unresolved {
     /// Radiance that is not a finite number.
     #[error("the pixel's radiance is not finite")]
     NotFinite,
+}
+
+/// As its text.
+impl Serialize for Unresolved {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
 }
 
 /// The grids of strata of a list of N, with what every pixel needs of them.

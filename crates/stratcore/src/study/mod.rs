@@ -1,12 +1,14 @@
 //! The experiment: pixels × samplers × N × M. The only module that owns threads.
 
+mod exact;
 mod picture;
 mod plan;
 mod result;
 
+pub use exact::ExactStudy;
 pub use picture::{Image, render};
 pub use plan::{SamplerChoice, StudyPlan};
-pub use result::{Row, SamplerResult, StudyResult};
+pub use result::{Method, Row, SamplerResult, StudyResult};
 
 use crate::error::StudyError;
 use crate::integrand::{Integrand, Regularity};
@@ -234,5 +236,7 @@ fn summarise(integrand: &dyn Integrand, choice: SamplerChoice, rows: Vec<Row>) -
         class_is_sure,
         predicted,
         rows,
+        method: Method::Trials,
+        unresolved: None,
     }
 }
