@@ -165,7 +165,11 @@ impl PixelBeam {
 
     /// Whether a facet's radiance is one number in the light and one in shadow.
     pub(crate) fn is_constant(&self, facet: usize) -> bool {
-        matches!(self.shades[facet].lit, Lit::Constant(_))
+        match self.shades[facet].lit {
+            Lit::Constant(_) => true,
+            Lit::Headlight { cosine } => cosine.magnitude() == 0.0,
+            Lit::Point { factor, .. } => factor == 0.0,
+        }
     }
 
     pub(crate) fn background(&self) -> f64 {

@@ -20,6 +20,8 @@ mod visible;
 mod walk;
 
 #[cfg(test)]
+mod oracle;
+#[cfg(test)]
 mod tests;
 
 use crate::beam::PixelBeam;
@@ -27,7 +29,7 @@ use crate::sampler::strata_per_axis;
 use polygon::Polygon;
 use polynomial::{Fitter, Polynomial};
 use serde::{Serialize, Serializer};
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::sync::OnceLock;
 use strata::{Axis, variance_within};
 use visible::{Label, Regions};
@@ -46,8 +48,8 @@ pub struct ExactCurve {
     /// Variance of the mean of N jittered points, one in each stratum, for each N of the
     /// [`Grids`].
     pub jittered: Vec<f64>,
-    /// Estimate of the largest relative error of these variances: what the polynomials leave
-    /// out. At most the tolerance asked for.
+    /// Estimate of the largest relative error of these variances, from what the polynomials
+    /// leave out and from rounding. At most the tolerance asked for.
     pub error: f64,
     /// Convex patches that the pixel was made of; 0 where one function covers it.
     pub patches: usize,
@@ -63,12 +65,12 @@ pub enum Unresolved {
     /// Two triangles of different looks that rounding alone tells apart.
     #[error("triangles {} and {} lie at one depth to rounding, and look different", .0[0], .0[1])]
     EqualDepth([u32; 2]),
-    /// No polynomial of the degrees tried is near enough to the radiance.
+    /// No polynomial of the degrees tried is near enough to the radiance, or a variance is so
+    /// much smaller than that of its parts that rounding blurs it.
     #[error(
-        "shading that no polynomial follows: the variance might be off by {error:.1e} of itself, \
-         {tolerance:.1e} is allowed"
+        "a variance might be off by {error:.1e} of itself, more than the {tolerance:.1e} allowed"
     )]
-    Shading {
+    Imprecise {
         /// Estimate of the relative error.
         error: f64,
         /// What was asked for.
@@ -169,10 +171,10 @@ impl Grids {
             let strata = &self.strata;
             let mut curve =
                 self.quadratic.get_or_init(|| Tables::new(strata)).curve(beam, &regions);
-            if !(curve.error <= tolerance) {
+            if curve.error > tolerance {
                 curve = self.quartic.get_or_init(|| Tables::new(strata)).curve(beam, &regions);
             }
-            if !(curve.error <= tolerance) {
+            if curve.error > tolerance {
                 curve = self.octic.get_or_init(|| Tables::new(strata)).curve(beam, &regions);
             }
             curve
@@ -184,7 +186,7 @@ impl Grids {
         if curve.error <= tolerance {
             Ok(curve)
         } else {
-            Err(Unresolved::Shading { error: curve.error, tolerance })
+            Err(Unresolved::Imprecise { error: curve.error, tolerance })
         }
     }
 }
@@ -207,20 +209,25 @@ fn is_constant(beam: &PixelBeam, label: Label) -> bool {
 /// What polynomials of degree D - 1 need of all grids.
 struct Tables<const D: usize> {
     fitter: Fitter<D>,
-    axes: BTreeMap<u64, Axis<D>>,
-    strata: Vec<[u64; 2]>,
+    /// One for each number of strata along an axis; that of one stratum comes first.
+    axes: Vec<Axis<D>>,
+    /// The two axes of each grid, by their places in `axes`.
+    grids: Vec<[usize; 2]>,
 }
 
 impl<const D: usize> Tables<D> {
     fn new(strata: &[[u64; 2]]) -> Self {
-        let along = strata.iter().flatten().chain([&1]);
-        let axes = along.map(|&k| (k, Axis::new(k))).collect();
-        Self { fitter: Fitter::new(), axes, strata: strata.to_vec() }
+        let numbers: BTreeSet<u64> = strata.iter().flatten().copied().chain([1]).collect();
+        let place = |k: &u64| numbers.range(..k).count();
+        let grids = strata.iter().map(|along| along.each_ref().map(place)).collect();
+        let axes = numbers.iter().map(|k| Axis::new(*k)).collect();
+        Self { fitter: Fitter::new(), axes, grids }
     }
 
     fn curve(&self, beam: &PixelBeam, regions: &Regions) -> ExactCurve {
-        /// Sums that cancel to less than this share of their terms are rounding.
-        const ROUNDING: f64 = 1e-13;
+        /// Rounding of a sum, as a share of its terms; and what is nothing but rounding.
+        const ROUNDING: f64 = 4e-15;
+        const NOTHING: f64 = 1e-13;
         let fits: Vec<_> = regions
             .labels
             .iter()
@@ -232,11 +239,11 @@ impl<const D: usize> Tables<D> {
             })
             .collect();
         let mut base = fits[regions.base].0;
-        let one = &self.axes[&1];
+        let one = self.axes[0].powers(0);
         // Relative to the mean of the base, so that no constant is carried along.
         let middle = (0..D)
             .flat_map(|a| (0..D - a).map(move |b| (a, b)))
-            .map(|(a, b)| base.0[a][b] * one.powers(0)[a] * one.powers(0)[b])
+            .map(|(a, b)| base.0[a][b] * one[a] * one[b])
             .sum::<f64>();
         base.0[0][0] -= middle;
         let steps: Vec<_> = regions
@@ -246,6 +253,7 @@ impl<const D: usize> Tables<D> {
                 polygon: patch.polygon,
                 change: fits[patch.to].0.minus(&fits[patch.from].0),
             })
+            .filter(|step| step.change != Polynomial::ZERO)
             .collect();
         let mut integral = Integral::default();
         for patch in &regions.patches {
@@ -263,36 +271,41 @@ impl<const D: usize> Tables<D> {
             regions.labels.iter().zip(&fits).map(|(seen, fit)| seen.area * fit.1 * fit.1).sum();
         let [change, squares] = integral.0;
         let mut error = 0.0f64;
-        let mut within = |[k, l]: [u64; 2], walked: f64| {
+        let mut within = |along: [&Axis<D>; 2], walked: f64| {
+            let [k, l] = along.map(Axis::strata);
             let n = k as f64 * l as f64;
-            let smooth = variance_within(&base, &self.axes[&k], &self.axes[&l]);
-            let sum = smooth + (n * squares - walked);
-            if sum <= ROUNDING * (n * squares.abs() + walked.abs()) {
+            let terms = n * squares.abs() + walked.abs();
+            let sum = variance_within(&base, along[0], along[1]) + (n * squares - walked);
+            // Constants that fit the grid leave nothing.
+            if D == 1 && sum <= NOTHING * terms {
                 return 0.0;
             }
             // What is left out is at most about a Legendre polynomial of degree D, whose slope
             // bounds what it varies within a stratum.
             let slope = (D * (D + 1)) as f64 / 12f64.sqrt() / k.min(l) as f64;
-            let variance_left_out = n * left_out * slope.powi(2).min(1.0);
-            let relative = (variance_left_out / sum).sqrt();
-            // Also carries a NaN.
-            if !(2.0 * relative <= error) {
-                error = 2.0 * relative;
-            }
+            let left_out = n * left_out * slope.powi(2).min(1.0);
+            let relative = if sum > 0.0 {
+                2.0 * (left_out / sum).sqrt() + ROUNDING * terms / sum
+            } else {
+                f64::INFINITY
+            };
+            error = error.max(relative);
             sum
         };
-        let variance = within([1, 1], change * change);
-        let mut walker = Walker::new();
+        let variance = within([&self.axes[0]; 2], change * change);
+        let largest = self.grids.iter().map(|along| along.map(|at| self.axes[at].strata()));
+        let largest = largest.map(|[k, l]| k * l).max().unwrap_or(0);
+        let mut walker = (!steps.is_empty()).then(|| Walker::new(&self.fitter.side_rule, largest));
         let jittered = self
-            .strata
+            .grids
             .iter()
-            .map(|&[k, l]| {
-                let walked = match steps.is_empty() {
-                    true => 0.0,
-                    false => walker.squared_means(&steps, &base, &self.axes[&k], &self.axes[&l]),
-                };
-                let n = k as f64 * l as f64;
-                within([k, l], walked) / (n * n)
+            .map(|along| {
+                let along = along.map(|at| &self.axes[at]);
+                let walked = walker
+                    .as_mut()
+                    .map_or(0.0, |walker| walker.squared_means(&steps, &base, along[0], along[1]));
+                let n = along[0].strata() as f64 * along[1].strata() as f64;
+                within(along, walked) / (n * n)
             })
             .collect();
         let mean = beam.ground() + (middle + change);

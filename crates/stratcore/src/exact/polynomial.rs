@@ -53,19 +53,22 @@ pub(super) fn horner<const D: usize>(c: &[f64; D], x: f64) -> f64 {
 pub(super) struct Fitter<const D: usize> {
     /// The Gauss rule of D nodes on [0, 1].
     pub rule: [(f64, f64); D],
+    /// The one of D/2 + 1 nodes, exact for degree D.
+    pub side_rule: Vec<(f64, f64)>,
     /// (2n + 1) × weight × Pₙ at each node.
     project: [[f64; D]; D],
 }
 
 impl<const D: usize> Fitter<D> {
     pub fn new() -> Self {
-        let rule = nodes(D);
+        let nodes = gauss_legendre(D);
+        let rule: [_; D] = std::array::from_fn(|i| nodes[i]);
         let project = std::array::from_fn(|n| {
             rule.map(|(node, weight)| {
                 (2 * n + 1) as f64 * weight * horner(&legendre::<D>(0.5, 2.0)[n], node - 0.5)
             })
         });
-        Self { rule, project }
+        Self { rule, side_rule: gauss_legendre(D / 2 + 1), project }
     }
 
     /// The polynomial next to `f` on a box of the pixel, and how far it is off: the largest
@@ -109,12 +112,6 @@ impl<const D: usize> Fitter<D> {
         }
         (fitted, error)
     }
-}
-
-/// The Gauss rule of `count` nodes on [0, 1], padded to D.
-pub(super) fn nodes<const D: usize>(count: usize) -> [(f64, f64); D] {
-    let rule = gauss_legendre(count);
-    std::array::from_fn(|i| rule.get(i).copied().unwrap_or_default())
 }
 
 /// Coefficients in x of the Legendre polynomials Pₙ(u), u = scale x + 2 middle - 1: those of

@@ -6,7 +6,7 @@
 //! then sums these polynomials from left to right, as coverage rasterisers do with areas.
 
 use super::polygon::Polygon;
-use super::polynomial::{Polynomial, horner, nodes};
+use super::polynomial::{Polynomial, horner};
 use super::strata::Axis;
 
 /// Strata that are held in memory at a time, one row at the least.
@@ -19,9 +19,11 @@ pub(super) struct Step<const D: usize> {
 }
 
 /// Walks along patches; keeps its memory from grid to grid.
-pub(super) struct Walker<const D: usize> {
-    /// Exact along a side: an integrand of degree D.
-    rule: [(f64, f64); D],
+pub(super) struct Walker<'a, const D: usize> {
+    /// Nodes and weights, exact along a side: for an integrand of degree D.
+    rule: &'a [(f64, f64)],
+    /// 1 / (a + 1), which an integral makes of a power a.
+    shares: [f64; D],
     /// What sides add to their own stratum; strata of one s are neighbours.
     own: Vec<f64>,
     /// What they add to all that follow in the row, by power of s.
@@ -58,12 +60,15 @@ fn stratum(x: f64, count: u64) -> u64 {
     (((x + 0.5) * count as f64) as u64).min(count - 1)
 }
 
-impl<const D: usize> Walker<D> {
-    pub fn new() -> Self {
+impl<'a, const D: usize> Walker<'a, D> {
+    /// `rule` is the Gauss rule of D/2 + 1 nodes; no grid has more than `strata`.
+    pub fn new(rule: &'a [(f64, f64)], strata: u64) -> Self {
+        let room = (strata.min(BAND) * 2) as usize;
         Self {
-            rule: nodes(D / 2 + 1),
-            own: Vec::new(),
-            following: std::array::from_fn(|_| Vec::new()),
+            rule,
+            shares: std::array::from_fn(|a| 1.0 / (a + 1) as f64),
+            own: Vec::with_capacity(room),
+            following: std::array::from_fn(|_| Vec::with_capacity(room)),
             running: std::array::from_fn(|_| Vec::new()),
             powers: std::array::from_fn(|_| Vec::new()),
             sums: Vec::new(),
@@ -180,11 +185,11 @@ impl<const D: usize> Walker<D> {
     ) {
         let mut inside = 0.0;
         let mut powers = [0.0; D];
-        for (node, weight) in &self.rule[..D / 2 + 1] {
+        for (node, weight) in self.rule {
             let s = from[0] + node * (to[0] - from[0]);
             let t = from[1] + node * (to[1] - from[1]);
             let row = change.row(t);
-            let integral: [f64; D] = std::array::from_fn(|a| row[a] / (a + 1) as f64);
+            let integral: [f64; D] = std::array::from_fn(|a| row[a] * self.shares[a]);
             inside += weight * (line * horner(&integral, line) - s * horner(&integral, s));
             for a in 0..D {
                 powers[a] += weight * row[a];
