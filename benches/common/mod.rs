@@ -1,4 +1,5 @@
 //! What the benches of traced scenes share.
+#![allow(dead_code, reason = "each bench uses a part of it")]
 
 use stratcore::scene::Camera;
 use stratcore::study::{SamplerChoice, StudyPlan};

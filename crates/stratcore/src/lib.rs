@@ -14,6 +14,7 @@ pub mod beam;
 pub mod counts;
 pub mod discrepancy;
 pub mod error;
+pub mod exact;
 pub mod fit;
 pub mod integrand;
 pub mod literature;

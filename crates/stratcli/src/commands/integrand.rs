@@ -1,12 +1,13 @@
 //! `integrand`: the same study of a function whose mean is known.
 
-use super::{Outcome, study};
+use super::Outcome;
 use crate::cli::{Common, IntegrandArgs};
 use crate::plan;
 use anyhow::Result;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use stratcore::integrand::{self, CATALOGUE};
+use stratcore::study::{Control, study};
 
 #[derive(Serialize)]
 struct Subject<'a> {
@@ -31,5 +32,6 @@ pub fn run(args: &IntegrandArgs, common: &Common) -> Result<Outcome> {
         format!("{}, {}", args.name, shown.join(", "))
     };
     let subject = Subject { integrand: &args.name, params };
-    study::run(subject, &title, &*integrand, [0, 0], &args.study, common)
+    let measure = |plan: &_, control: Control<'_>| study(&*integrand, [0, 0], plan, control);
+    super::study::run(subject, &title, integrand.dim(), &measure, &args.study, common)
 }

@@ -1,11 +1,14 @@
 //! `pixel`: how fast one pixel converges.
 
-use super::{Outcome, study};
+use super::Outcome;
 use crate::cli::{Common, PixelArgs, StudiedChannel, TracerChoice};
 use crate::plan;
 use anyhow::{Result, ensure};
 use serde::Serialize;
+use stratcore::exact::TOLERANCE;
+use stratcore::integrand::Integrand;
 use stratcore::scene::Channel;
+use stratcore::study::{Control, ExactStudy, study};
 use stratcore::trace::{TracedScene, Tracer};
 
 #[derive(Serialize)]
@@ -42,5 +45,10 @@ pub fn run(args: &PixelArgs, common: &Common) -> Result<Outcome> {
     let traced = TracedScene::new(scene).with_tracer(tracer);
     let title = format!("{name}, pixel {},{}, {channel_name}", pixel[0], pixel[1]);
     let subject = Subject { scene: &name, channel: channel_name };
-    study::run(subject, &title, &traced.pixel(pixel, channel), pixel, &args.study, common)
+    let integrand = traced.pixel(pixel, channel);
+    let measure = |plan: &_, control: Control<'_>| match args.exact {
+        true => ExactStudy::new(plan, TOLERANCE)?.pixel(&integrand, pixel, control),
+        false => study(&integrand, pixel, plan, control),
+    };
+    super::study::run(subject, &title, integrand.dim(), &measure, &args.study, common)
 }

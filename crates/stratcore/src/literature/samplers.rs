@@ -2,35 +2,23 @@
 //! multi-jittered points whose offsets are not correlated.
 
 use crate::rng::{Stream, StreamKey};
-use crate::sampler::{Jittered, Kind, PointSet, Points, Sampler, Scramble, Sobol, strata_per_axis};
+use crate::sampler::{
+    Facts, Jittered, Kind, PointSet, Points, Sampler, Scramble, Sobol, strata_per_axis,
+};
+use crate::simd::Isa;
 
 /// The Sobol' sequence from its second point on, as some programs hand it out.
 pub(super) struct SobolFromSecond;
 
 impl Sampler for SobolFromSecond {
-    fn name(&self) -> &'static str {
-        "sobol without its first point"
-    }
-    fn summary(&self) -> &'static str {
-        "points 1 to N of the Sobol' sequence"
-    }
-    fn source(&self) -> &'static str {
-        "Owen 2020"
-    }
-    fn stream_id(&self) -> u8 {
-        254
-    }
-    fn kind(&self) -> Kind {
-        Kind::Sequence
-    }
-    fn max_dim(&self) -> usize {
-        Sobol.max_dim()
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        Sobol.scrambles()
-    }
-    fn is_randomised(&self, scramble: Scramble) -> bool {
-        Sobol.is_randomised(scramble)
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "sobol without its first point",
+            summary: "points 1 to N of the Sobol' sequence",
+            source: "Owen 2020",
+            stream_id: 254,
+            ..Sobol.facts()
+        }
     }
     fn admits(&self, n: u64, dim: usize, rectangular: bool) -> bool {
         Sobol.admits(n + 1, dim, rectangular)
@@ -48,8 +36,8 @@ impl Sampler for SobolFromSecond {
 struct FromSecond(Box<dyn Points>);
 
 impl Points for FromSecond {
-    fn fill(&self, first: u64, points: &mut [f64]) {
-        self.0.fill(first + 1, points);
+    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
+        self.0.fill_with(isa, first + 1, points);
     }
 }
 
@@ -59,29 +47,17 @@ impl Points for FromSecond {
 pub(super) struct MultiJittered;
 
 impl Sampler for MultiJittered {
-    fn name(&self) -> &'static str {
-        "multi-jittered"
-    }
-    fn summary(&self) -> &'static str {
-        "stratified in cells and along both axes, offsets drawn for each column and row"
-    }
-    fn source(&self) -> &'static str {
-        "Chiu, Shirley & Wang 1994"
-    }
-    fn stream_id(&self) -> u8 {
-        253
-    }
-    fn kind(&self) -> Kind {
-        Kind::Set
-    }
-    fn max_dim(&self) -> usize {
-        2
-    }
-    fn scrambles(&self) -> &'static [Scramble] {
-        &[Scramble::None]
-    }
-    fn is_randomised(&self, _scramble: Scramble) -> bool {
-        true
+    fn facts(&self) -> Facts {
+        Facts {
+            name: "multi-jittered",
+            summary: "stratified in cells and along both axes, offsets drawn for each column and row",
+            source: "Chiu, Shirley & Wang 1994",
+            stream_id: 253,
+            kind: Kind::Set,
+            max_dim: 2,
+            scrambles: &[Scramble::None],
+            is_random: true,
+        }
     }
     fn admits(&self, n: u64, dim: usize, _rectangular: bool) -> bool {
         dim == 2 && Jittered.admits(n, dim, false)
@@ -117,7 +93,7 @@ struct MultiJitteredPoints {
 }
 
 impl Points for MultiJitteredPoints {
-    fn fill(&self, first: u64, points: &mut [f64]) {
+    fn fill_with(&self, _: Isa, first: u64, points: &mut [f64]) {
         let k = self.k;
         for (index, point) in (first..).zip(points.chunks_exact_mut(2)) {
             let (column, row) = (index % k, index / k);

@@ -1,15 +1,17 @@
 //! The experiment: pixels × samplers × N × M. The only module that owns threads.
 
 mod discrepancy;
+mod exact;
 mod picture;
 mod plan;
 mod result;
 mod spectrum;
 
 pub use discrepancy::{Discrepancies, DiscrepancyCurve, DiscrepancyRow, discrepancies};
+pub use exact::ExactStudy;
 pub use picture::{Image, render};
 pub use plan::{SamplerChoice, StudyPlan};
-pub use result::{Row, SamplerResult, StudyResult};
+pub use result::{Method, Row, SamplerResult, StudyResult};
 pub use spectrum::{ErrorPlan, ErrorSpectrum, error_spectra, point_spectrum};
 
 use crate::error::StudyError;
@@ -244,5 +246,7 @@ fn summarise(integrand: &dyn Integrand, choice: SamplerChoice, rows: Vec<Row>) -
         predicted_from,
         predicted_source: known.map(|law| law.source),
         rows,
+        method: Method::Trials,
+        unresolved: None,
     }
 }
