@@ -1,5 +1,9 @@
 //! The command line as it is typed: words only; [`plan`](crate::plan) gives them meaning.
 
+mod map;
+
+pub use map::MapArgs;
+
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -48,6 +52,8 @@ pub enum Command {
     Pixel(PixelArgs),
     /// The same study of an integrand whose mean is known
     Integrand(IntegrandArgs),
+    /// How fast every pixel converges: exponents, classes and variances as a picture
+    Map(MapArgs),
     /// Names that can be typed, each with one line of help
     List(ListArgs),
     /// A completion script for a shell
@@ -168,9 +174,9 @@ pub struct CompletionsArgs {
     pub shell: clap_complete::Shell,
 }
 
-/// How a study is made, whatever it is of.
+/// Which estimates are repeated, and how often.
 #[derive(Debug, Args)]
-pub struct StudyArgs {
+pub struct ProtocolArgs {
     /// Samplers to compare, a scramble after a plus sign: jittered,sobol+owen-hash (see
     /// `stratcli list samplers`)
     #[arg(long, value_name = "A,B", value_delimiter = ',', default_value = "random,jittered")]
@@ -185,6 +191,13 @@ pub struct StudyArgs {
     /// What to do with an N that a sampler cannot make
     #[arg(long, value_enum, value_name = "POLICY", default_value_t = NPolicy::Error)]
     pub n_policy: NPolicy,
+}
+
+/// How a study is made, whatever it is of.
+#[derive(Debug, Args)]
+pub struct StudyArgs {
+    #[command(flatten)]
+    pub protocol: ProtocolArgs,
     /// Exit with 1 unless the exponent (of jittered, else of the last sampler) is p ± tol
     #[arg(long, value_name = "P:TOL", allow_hyphen_values = true)]
     pub expect: Option<String>,

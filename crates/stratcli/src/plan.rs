@@ -1,6 +1,6 @@
 //! From words as typed to the objects that a study works with.
 
-use crate::cli::{Common, NPolicy, StudyArgs};
+use crate::cli::{Common, NPolicy, ProtocolArgs, StudiedChannel, TracerChoice};
 use anyhow::{Context, Result, bail, ensure};
 use serde::Serialize;
 use std::fmt;
@@ -8,10 +8,12 @@ use std::str::FromStr;
 use stratcore::StudyResult;
 use stratcore::counts::parse_counts;
 use stratcore::sampler::CountPolicy;
+use stratcore::scene::Channel;
 use stratcore::study::{SamplerChoice, StudyPlan};
+use stratcore::trace::Tracer;
 
 /// The plan of a study of an integrand with `dim` dimensions.
-pub fn study_plan(args: &StudyArgs, common: &Common, dim: usize) -> Result<StudyPlan> {
+pub fn study_plan(args: &ProtocolArgs, common: &Common, dim: usize) -> Result<StudyPlan> {
     Ok(StudyPlan {
         samplers: args
             .samplers
@@ -49,6 +51,24 @@ fn default_counts(dim: usize) -> Result<Vec<u64>> {
         .map(|k| k.pow(exponent))
         .take_while(|n| *n <= LARGEST || *n == 1 << dim)
         .collect())
+}
+
+/// `--channel`, and its name.
+pub fn channel(choice: StudiedChannel) -> (Channel, &'static str) {
+    match choice {
+        StudiedChannel::Luminance => (Channel::Luminance, "luminance"),
+        StudiedChannel::R => (Channel::R, "r"),
+        StudiedChannel::G => (Channel::G, "g"),
+        StudiedChannel::B => (Channel::B, "b"),
+    }
+}
+
+/// `--tracer`
+pub fn tracer(choice: TracerChoice) -> Tracer {
+    match choice {
+        TracerChoice::Beam => Tracer::Beam,
+        TracerChoice::Bvh => Tracer::Bvh,
+    }
 }
 
 /// Two values with `separator` between them.

@@ -1,6 +1,6 @@
 //! `integrand`: the same study of a function whose mean is known.
 
-use super::{Outcome, study};
+use super::{Outcome, measure};
 use crate::cli::{Common, IntegrandArgs};
 use crate::plan;
 use anyhow::Result;
@@ -31,5 +31,5 @@ pub fn run(args: &IntegrandArgs, common: &Common) -> Result<Outcome> {
         format!("{}, {}", args.name, shown.join(", "))
     };
     let subject = Subject { integrand: &args.name, params };
-    study::run(subject, &title, &*integrand, [0, 0], &args.study, common)
+    measure::run(subject, &title, &*integrand, [0, 0], &args.study, common)
 }

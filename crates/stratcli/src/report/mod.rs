@@ -5,6 +5,7 @@ pub mod chart;
 pub mod gain;
 pub mod histogram;
 pub mod page;
+pub mod panels;
 pub mod picture;
 pub mod raster;
 pub mod sides;

@@ -36,7 +36,7 @@ pub fn run(
     common: &Common,
 ) -> Result<Outcome> {
     let expectation = args.expect.as_deref().map(str::parse::<Expectation>).transpose()?;
-    let plan = plan::study_plan(args, common, integrand.dim())?;
+    let plan = plan::study_plan(&args.protocol, common, integrand.dim())?;
     let plot = args.plot.as_deref().map(PlotFile::create).transpose()?;
     let per_trial: u64 = plan
         .counts_used(integrand.dim())?
