@@ -1,8 +1,12 @@
 //! The command line as it is typed: words only; [`plan`](crate::plan) gives them meaning.
 
 mod map;
+mod merge;
+mod study;
 
 pub use map::MapArgs;
+pub use merge::MergeArgs;
+pub use study::StudyFileArgs;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -54,6 +58,10 @@ pub enum Command {
     Integrand(IntegrandArgs),
     /// How fast every pixel converges: exponents, classes and variances as a picture
     Map(MapArgs),
+    /// The shards of a map to one map
+    Merge(MergeArgs),
+    /// Maps of many scenes under many samplers, and a report that compares them
+    Study(StudyFileArgs),
     /// Names that can be typed, each with one line of help
     List(ListArgs),
     /// A completion script for a shell

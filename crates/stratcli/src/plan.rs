@@ -38,7 +38,7 @@ pub fn study_plan(args: &ProtocolArgs, common: &Common, dim: usize) -> Result<St
 /// The paper's counts in two dimensions (1, 4, …, 256) and in four (1, 16, …, 10,000). In any
 /// other number of dimensions above two, N = k^d up to the same 10,000, but two counts at
 /// the least: below that there is no slope.
-fn default_counts(dim: usize) -> Result<Vec<u64>> {
+pub fn default_counts(dim: usize) -> Result<Vec<u64>> {
     const LARGEST: u64 = 10_000;
     const MOST_DIMS: usize = 16;
     ensure!(

@@ -22,6 +22,9 @@ pub struct MapArgs {
     /// The I-th of N even parts, to a .tiles file; `slurm` takes I and N from the array task
     #[arg(long, value_name = "I/N")]
     pub shard: Option<String>,
+    /// Only say what it would take: samples, time on this machine, memory and disk
+    #[arg(long, conflicts_with = "resume")]
+    pub dry_run: bool,
     /// Also write .points.csv: a row with its interval for every pixel, sampler and N
     #[arg(long)]
     pub points: bool,

@@ -4,12 +4,13 @@
 //! pass over them in order writes every result, so that results do not depend on how, when and
 //! where the tiles were made.
 
-pub mod csv;
-pub mod exr;
+mod csv;
+mod estimate;
+mod exr;
 pub mod finish;
-pub mod overview;
+mod overview;
 mod shard;
-pub mod text;
+mod text;
 
 use super::Outcome;
 use crate::cli::{Common, MapArgs};
@@ -17,15 +18,16 @@ use crate::output;
 use crate::plan;
 use crate::progress::Progress;
 use anyhow::{Context, Result, ensure};
-use finish::{Kind, Output};
+use finish::{Found, Kind, Output};
 use std::fs;
+use std::time::Instant;
 use stratcore::StudyError;
 use stratcore::integrand::Integrand as _;
 use stratcore::map::{
-    Header, Identity, MapPlan, RecordError, Region, Shard, TileLog, expected_costs, measure_tile,
+    Header, Identity, MapPlan, Region, Shard, TileLog, expected_costs, measure_tile,
 };
-use stratcore::scene::Scene;
-use stratcore::study::{Control, for_each};
+use stratcore::scene::Channel;
+use stratcore::study::{Control, StudyPlan, for_each};
 use stratcore::trace::TracedScene;
 
 /// What one run of `map` has to do.
@@ -47,49 +49,75 @@ pub fn run(args: &MapArgs, common: &Common) -> Result<Outcome> {
          merge the shards' files by `stratcli merge`",
         args.output.display()
     );
+    let region = args.region.as_deref().map(str::parse).transpose().context("--region")?;
     let scene = super::load(&args.scene, common)?;
-    let job = Job::new(args, scene, shard, output, common)?;
-    job.run(common)
+    let traced = TracedScene::new(scene).with_tracer(plan::tracer(args.tracer));
+    let (channel, _) = plan::channel(args.channel);
+    let job = Job::new(traced, region, channel, output, |dim| {
+        plan::study_plan(&args.protocol, common, dim)
+    })?;
+    let job = Job { shard, resume: args.resume, ..job };
+    if args.dry_run {
+        return estimate::run(&job, common);
+    }
+    match job.run(common)? {
+        Made::Written(found) => finish::show(&found, common)?,
+        Made::Earlier => {
+            if !common.quiet {
+                output::note(&format!("{} is finished already", job.output.path.display()));
+            }
+        }
+        Made::Interrupted => return Ok(Outcome::Interrupted),
+    }
+    Ok(Outcome::Done)
+}
+
+/// What became of a job.
+pub enum Made {
+    /// Its results were written.
+    Written(Found),
+    /// They were there already.
+    Earlier,
+    /// Stopped by Ctrl-C; what was finished is kept.
+    Interrupted,
 }
 
 impl Job {
-    fn new(
-        args: &MapArgs,
-        scene: Scene,
-        shard: Shard,
+    /// The map of a scene, or of a region of it; `study` makes the study of a pixel of so many
+    /// dimensions. The whole of it, from the beginning.
+    pub fn new(
+        scene: TracedScene,
+        region: Option<Region>,
+        channel: Channel,
         output: Output,
-        common: &Common,
+        study: impl FnOnce(usize) -> Result<StudyPlan>,
     ) -> Result<Self> {
-        let size = scene.camera.resolution;
-        let region = match &args.region {
-            Some(text) => text.parse::<Region>().context("--region")?,
-            None => Region::whole(size),
-        };
+        let size = scene.scene().camera.resolution;
+        let region = region.unwrap_or(Region::whole(size));
         region.check(size).context("--region")?;
-        let scene = TracedScene::new(scene).with_tracer(plan::tracer(args.tracer));
-        let (channel, _) = plan::channel(args.channel);
-        let dim = scene.pixel([region.x0, region.y0], channel).dim();
-        let study = plan::study_plan(&args.protocol, common, dim)?;
+        let study = study(scene.pixel([region.x0, region.y0], channel).dim())?;
         let plan = MapPlan { study, region, channel };
         let identity = plan.identity(&scene)?;
-        Ok(Self { scene, plan, identity, shard, output, resume: args.resume })
+        Ok(Self { scene, plan, identity, shard: Shard::WHOLE, output, resume: false })
+    }
+
+    /// The tiles of its shard, in order.
+    fn tiles(&self) -> Vec<usize> {
+        match self.shard {
+            Shard::WHOLE => (0..self.identity.tiling().n_tiles()).collect(),
+            shard => shard.tiles(&expected_costs(&self.scene, &self.plan)),
+        }
     }
 
     /// Makes what is missing of the map and writes its results.
-    pub fn run(&self, common: &Common) -> Result<Outcome> {
-        let header =
-            Header { hash: self.identity.hash(), shard: self.shard, plan: self.identity.clone() };
+    pub fn run(&self, common: &Common) -> Result<Made> {
+        let hash = self.identity.hash();
+        let header = Header { hash, shard: self.shard, plan: self.identity.clone() };
         let part = self.output.part();
         if self.resume && !part.exists() && self.output.is_finished(&header)? {
-            if !common.quiet {
-                output::note(&format!("{} is finished already", self.output.path.display()));
-            }
-            return Ok(Outcome::Done);
+            return Ok(Made::Earlier);
         }
-        let tiles = match self.shard {
-            Shard::WHOLE => (0..self.identity.tiling().n_tiles()).collect(),
-            shard => shard.tiles(&expected_costs(&self.scene, &self.plan)),
-        };
+        let tiles = self.tiles();
         let log = TileLog::open(&part, &header, tiles.len(), self.resume)?;
         if log.unlocked && !common.quiet {
             output::note(&format!(
@@ -98,6 +126,8 @@ impl Job {
                 part.display()
             ));
         }
+        let is_fresh = log.with_set(|set| set.tiles().next().is_none());
+        let start = Instant::now();
         match self.measure(&log, &tiles, common) {
             Ok(()) => {}
             Err(error) if matches!(error.downcast_ref(), Some(StudyError::Cancelled)) => {
@@ -107,37 +137,42 @@ impl Job {
                     tiles.len(),
                     part.display()
                 ));
-                return Ok(Outcome::Interrupted);
+                return Ok(Made::Interrupted);
             }
             Err(error) => return Err(error),
         }
-        let found = log.with_set(|set| finish::write(set, &header, &self.output, common))?;
+        if is_fresh {
+            estimate::judge(self, &header, start.elapsed(), common)?;
+        }
+        let found = log.with_set(|set| finish::write(set, &header, &self.output))?;
         fs::remove_file(&part).with_context(|| format!("cannot remove {}", part.display()))?;
-        finish::show(&found, common)?;
-        Ok(Outcome::Done)
+        Ok(Made::Written(found))
     }
 
     /// Studies the tiles that the log lacks.
     fn measure(&self, log: &TileLog, tiles: &[usize], common: &Common) -> Result<()> {
         let missing: Vec<usize> =
             log.with_set(|set| tiles.iter().copied().filter(|tile| !set.contains(*tile)).collect());
-        let tiling = self.identity.tiling();
-        let pixels = |tiles: &[usize]| -> u64 {
-            tiles.iter().map(|tile| tiling.tile(*tile).n_pixels()).sum()
-        };
-        let per_pixel = self.identity.samples_per_pixel();
-        let samples = |tiles: &[usize]| per_pixel.saturating_mul(pixels(tiles));
-        let progress = Progress::new("map", samples(tiles), common);
+        let progress = Progress::new("map", self.samples(tiles), common);
         let control = progress.control();
-        (control.progress)(samples(tiles) - samples(&missing));
+        (control.progress)(self.samples(tiles) - self.samples(&missing));
         for_each(missing.into_iter(), |tile| self.measure_one(log, tile, control))
     }
 
     fn measure_one(&self, log: &TileLog, tile: usize, control: Control<'_>) -> Result<()> {
         let region = self.identity.tiling().tile(tile);
         let spreads = measure_tile(&self.scene, region, &self.plan, control)?;
-        log.append(tile, &spreads).map_err(|error: RecordError| {
-            anyhow::Error::new(error).context("the tiles so far are kept; go on with --resume")
-        })
+        log.append(tile, &spreads).context("the tiles so far are kept; go on with --resume")
+    }
+
+    /// Pixels of some tiles.
+    fn pixels(&self, tiles: &[usize]) -> u64 {
+        let tiling = self.identity.tiling();
+        tiles.iter().map(|tile| tiling.tile(*tile).n_pixels()).sum()
+    }
+
+    /// Samples drawn for some tiles.
+    fn samples(&self, tiles: &[usize]) -> u64 {
+        self.identity.samples_per_pixel().saturating_mul(self.pixels(tiles))
     }
 }

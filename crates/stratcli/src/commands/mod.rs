@@ -6,9 +6,11 @@ mod integrand;
 mod list;
 mod map;
 mod measure;
+mod merge;
 mod pixel;
 mod render;
 mod reproduce;
+mod study;
 
 use crate::cli::{Cli, Command, Common};
 use crate::output;
@@ -49,6 +51,8 @@ pub fn run(cli: &Cli) -> Result<Outcome> {
         Command::Integrand(args) => integrand::run(args, common),
         Command::Pixel(args) => pixel::run(args, common),
         Command::Map(args) => map::run(args, common),
+        Command::Merge(args) => merge::run(args, common),
+        Command::Study(args) => study::run(args, common),
         Command::List(args) => list::run(args, common),
         Command::Completions(args) => completions::run(args, common),
     })

@@ -2,6 +2,7 @@
 
 pub mod axis;
 pub mod chart;
+pub mod comparison;
 pub mod gain;
 pub mod histogram;
 pub mod page;

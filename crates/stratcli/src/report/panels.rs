@@ -48,14 +48,12 @@ pub fn class_colour(pixel: [u32; 2], class: Option<Class>) -> [u8; 3] {
     }
 }
 
-/// The colour of a sampler by its place among those compared; grey where none is best, a
-/// chequered mark where it is not known.
+/// The colour of a sampler by its place among those compared.
 pub fn sampler_colour(place: usize) -> [u8; 3] {
     rgb(Style::nth(place).colour)
 }
 
-/// Where nothing is known.
-pub fn missing_colour([x, y]: [u32; 2]) -> [u8; 3] {
+fn missing_colour([x, y]: [u32; 2]) -> [u8; 3] {
     if (x + y).is_multiple_of(2) { [0x50; 3] } else { [0xb0; 3] }
 }
 

@@ -107,7 +107,7 @@ pub fn expected_costs(scene: &TracedScene, plan: &MapPlan) -> Vec<u64> {
     /// Of them along the side of a tile, at most.
     const ACROSS: usize = 4;
     /// Triangles that take as long as all that is done without any.
-    const BASE: u64 = 4;
+    const BASE: u64 = 6;
     let tiling = Tiling { region: plan.region, side: MapPlan::TILE_SIDE };
     let (n_tiles, columns) = (tiling.n_tiles(), tiling.columns());
     let across = (PROBES / n_tiles).isqrt().clamp(1, ACROSS) as u32;

@@ -1,9 +1,9 @@
 //! Counts in equal bins: quantiles of any number of values in little memory.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Counts of values in equal bins.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Histogram {
     /// Where the first bin begins.
     pub lo: f64,

@@ -5,10 +5,10 @@ use super::plan::Identity;
 use super::{PixelReading, SamplerIdentity};
 use crate::sampler::Scramble;
 use crate::theory::Class;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What is said of a whole map.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Pixels in the map.
     pub pixels: u64,
@@ -23,7 +23,7 @@ pub struct Summary {
 }
 
 /// How much of a map is of one class.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ClassShare {
     /// The class.
     pub class: Class,
@@ -36,7 +36,7 @@ pub struct ClassShare {
 }
 
 /// The exponents of a map under one sampler.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SamplerSummary {
     /// Name and scramble.
     pub sampler: String,
@@ -46,6 +46,8 @@ pub struct SamplerSummary {
     pub exact: u64,
     /// Pixels with a fit and zero variance at some N.
     pub partly_exact: u64,
+    /// Pixels with too few variances above zero for a fit, though not all are zero.
+    pub unfitted: u64,
     /// Mean of p over the fits; none without fits.
     pub mean: Option<f64>,
     /// Standard deviation of p over the fits; none below two.
@@ -57,7 +59,7 @@ pub struct SamplerSummary {
 }
 
 /// Variance of the mean under one sampler over that of another, at the same N.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
     /// Name and scramble of the sampler.
     pub sampler: String,
@@ -70,7 +72,7 @@ pub struct Comparison {
 }
 
 /// A comparison at one N.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Gain {
     /// N
     pub n: u64,
@@ -103,6 +105,7 @@ struct Exponents {
     fitted: u64,
     exact: u64,
     partly_exact: u64,
+    unfitted: u64,
     /// Sums of p - 1 and of its square.
     sums: [f64; 2],
     histogram: Histogram,
@@ -145,6 +148,7 @@ impl Tally {
             fitted: 0,
             exact: 0,
             partly_exact: 0,
+            unfitted: 0,
             sums: [0.0; 2],
             histogram: Histogram::new(0.0, 0.02, 200),
         };
@@ -227,8 +231,10 @@ impl Tally {
 
 impl Exponents {
     fn add(&mut self, pixel: &PixelReading) {
-        self.exact += u64::from(pixel.reading.exact);
-        let Some(fit) = &pixel.reading.fit else { return };
+        let Some(fit) = &pixel.reading.fit else {
+            *(if pixel.reading.exact { &mut self.exact } else { &mut self.unfitted }) += 1;
+            return;
+        };
         self.fitted += 1;
         let has_zero = pixel.spreads.iter().any(|spread| spread.variance_of_mean == 0.0);
         self.partly_exact += u64::from(has_zero);
@@ -246,6 +252,7 @@ impl Exponents {
             fitted: self.fitted,
             exact: self.exact,
             partly_exact: self.partly_exact,
+            unfitted: self.unfitted,
             mean: (self.fitted > 0).then(|| 1.0 + sum / n),
             std_deviation: (self.fitted > 1).then(|| variance.max(0.0).sqrt()),
             quartiles: quartiles(&self.histogram),

@@ -5,7 +5,7 @@ mod picture;
 mod plan;
 mod result;
 
-pub use parallel::{collect, for_each, in_order, with_threads};
+pub use parallel::{collect, for_each, in_order, thread_count, with_threads};
 pub use picture::{Image, render};
 pub use plan::{SamplerChoice, StudyPlan};
 pub use result::{Reading, Row, SamplerResult, StudyResult};

@@ -57,3 +57,8 @@ pub fn collect<T: Send, R: Send, E: Send>(
 ) -> Result<Vec<R>, E> {
     items.into_par_iter().map(&work).collect()
 }
+
+/// Threads that work is shared among here.
+pub fn thread_count() -> usize {
+    rayon::current_num_threads()
+}

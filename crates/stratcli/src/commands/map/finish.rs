@@ -63,7 +63,8 @@ impl Output {
         name.into()
     }
 
-    fn beside(&self, ending: &str) -> PathBuf {
+    /// The file of another ending beside it.
+    pub fn beside(&self, ending: &str) -> PathBuf {
         self.path.with_extension(ending)
     }
 
@@ -90,7 +91,7 @@ impl Output {
 }
 
 /// What is known of a finished map.
-#[derive(Serialize)]
+#[derive(Serialize, Deserialize)]
 pub struct Found {
     /// Files written, the one asked for first.
     pub files: Vec<PathBuf>,
@@ -102,7 +103,7 @@ pub struct Found {
 }
 
 /// Writes the results.
-pub fn write(set: &TileSet, header: &Header, output: &Output, common: &Common) -> Result<Found> {
+pub fn write(set: &TileSet, header: &Header, output: &Output) -> Result<Found> {
     match output.kind {
         Kind::Tiles => {
             let file = AtomicFile::create_locked(&output.path)?;
@@ -114,7 +115,7 @@ pub fn write(set: &TileSet, header: &Header, output: &Output, common: &Common) -
             let files = vec![output.path.clone()];
             Ok(Found { files, header: header.clone(), summary: None })
         }
-        Kind::Picture { points } => write_picture(set, header, output, points, common),
+        Kind::Picture { points } => write_picture(set, header, output, points),
     }
 }
 
@@ -131,13 +132,7 @@ struct Piece {
     rows: Vec<String>,
 }
 
-fn write_picture(
-    set: &TileSet,
-    header: &Header,
-    output: &Output,
-    points: bool,
-    _common: &Common,
-) -> Result<Found> {
+fn write_picture(set: &TileSet, header: &Header, output: &Output, points: bool) -> Result<Found> {
     let plan = set.plan();
     let layout = ExrLayout::new(plan);
     let picture = AtomicFile::create_locked(&output.path)?;

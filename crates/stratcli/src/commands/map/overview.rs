@@ -2,9 +2,7 @@
 
 use super::csv::best_mean;
 use crate::picture::srgb_byte;
-use crate::report::panels::{
-    self, Key, Panel, class_colour, exponent_colour, missing_colour, sampler_colour,
-};
+use crate::report::panels::{self, Key, Panel, class_colour, exponent_colour, sampler_colour};
 use crate::report::raster::Raster;
 use crate::report::svg::Svg;
 use stratcore::map::{Identity, PixelReading, Summary};
@@ -64,7 +62,9 @@ impl Overview {
             panel.rgb[at] = class_colour(cell, readings[*sampler].reading.class);
         }
         if let Some(panel) = &mut self.best {
-            panel.rgb[at] = best_sampler(readings).map_or(missing_colour(cell), sampler_colour);
+            let exact = readings.iter().all(|pixel| pixel.reading.exact);
+            let unknown = exponent_colour(cell, None, exact);
+            panel.rgb[at] = best_sampler(readings).map_or(unknown, sampler_colour);
         }
     }
 
@@ -104,7 +104,7 @@ impl Overview {
 
 /// The sampler whose fitted line is lowest at the largest N that all fits reach; none where some
 /// sampler has no fit.
-pub fn best_sampler(readings: &[PixelReading]) -> Option<usize> {
+fn best_sampler(readings: &[PixelReading]) -> Option<usize> {
     let fits: Option<Vec<_>> = readings.iter().map(|pixel| pixel.reading.fit).collect();
     let fits = fits?;
     let n = fits.iter().map(|fit| fit.n_max).min()? as f64;

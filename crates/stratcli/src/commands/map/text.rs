@@ -47,7 +47,8 @@ fn numbers(summary: &Summary) -> String {
         }));
         text = text + "\n" + &columns(Align::Right, &rows);
     }
-    let mut rows = vec![head(&["sampler", "fitted", "exact", "mean p", "sd", "quartiles of p"])];
+    let mut rows =
+        vec![head(&["sampler", "fitted", "exact", "no fit", "mean p", "sd", "quartiles of p"])];
     let optional = |x: Option<f64>| x.map_or("-".to_owned(), |x| format!("{x:.3}"));
     rows.extend(summary.samplers.iter().map(|s| {
         let quartiles =
@@ -56,6 +57,7 @@ fn numbers(summary: &Summary) -> String {
             s.sampler.clone(),
             s.fitted.to_string(),
             s.exact.to_string(),
+            s.unfitted.to_string(),
             optional(s.mean),
             optional(s.std_deviation),
             quartiles,

@@ -1,0 +1,104 @@
+//! `study`: maps of many scenes under many samplers, and a report that compares them.
+
+mod file;
+
+use super::Outcome;
+use super::map::finish::{Found, Kind, Output};
+use super::map::{Job, Made};
+use crate::cli::{Common, StudyFileArgs};
+use crate::output::{self, AtomicFile};
+use crate::report::comparison::{self, Scene};
+use crate::report::raster::data_uri;
+use anyhow::{Context, Result};
+use file::{SceneEntry, StudyFile};
+use serde::Serialize;
+use std::fs;
+use std::path::{Path, PathBuf};
+use stratcore::trace::TracedScene;
+
+/// The numbers of a study.
+#[derive(Serialize)]
+struct StudySummary<'a> {
+    study: &'a Path,
+    seed: u64,
+    maps: Vec<Found>,
+}
+
+pub fn run(args: &StudyFileArgs, common: &Common) -> Result<Outcome> {
+    let study = StudyFile::read(&args.file)?;
+    fs::create_dir_all(&args.output).with_context(|| {
+        format!("cannot make the folder {}; choose another with --output", args.output.display())
+    })?;
+    // Every fault of the file is found before the first map is made.
+    let jobs = study
+        .scenes()
+        .iter()
+        .map(|entry| job(&study, entry, &args.output, common))
+        .collect::<Result<Vec<_>>>()?;
+    let (mut maps, mut scenes) = (Vec::new(), Vec::new());
+    for job in &jobs {
+        let name = &job.identity.scene;
+        let made = job.run(common).with_context(|| format!("scene {name}"))?;
+        let words = match made {
+            Made::Written(_) => "done",
+            Made::Earlier => "was done already",
+            Made::Interrupted => return Ok(Outcome::Interrupted),
+        };
+        if !common.quiet {
+            output::note(&format!("{name}: {words}"));
+        }
+        let (found, scene) = read(&job.output)?;
+        maps.push(found);
+        scenes.push(scene);
+    }
+    let page = comparison::render(&title(&args.file), &scenes);
+    let report = args.output.join("report.html");
+    AtomicFile::create(&report)?.commit(page.as_bytes())?;
+    let summary = StudySummary { study: &args.file, seed: common.seed, maps };
+    let json = output::json(&summary)?;
+    AtomicFile::create(&args.output.join("summary.json"))?.commit(json.as_bytes())?;
+    if common.json {
+        output::print(&json)?;
+    } else {
+        output::print(&(comparison::text(&scenes) + &format!("\n{}\n", report.display())))?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn title(path: &Path) -> String {
+    path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+}
+
+fn job(study: &StudyFile, entry: &SceneEntry, folder: &Path, common: &Common) -> Result<Job> {
+    let scene = super::load(&entry.spec, common)?;
+    let traced = TracedScene::new(scene).with_tracer(study.tracer);
+    let path = folder.join(format!("{}.exr", entry.name));
+    let output = Output { path, kind: Kind::Picture { points: study.points } };
+    let plan = |dim| study.plan(dim, common.seed);
+    let job = Job::new(traced, entry.region, study.channel, output, plan);
+    let job = job.with_context(|| format!("{}: scene {}", study.shown(), entry.name))?;
+    Ok(Job { resume: true, ..job })
+}
+
+/// A finished map from its files, whenever it was made.
+fn read(output: &Output) -> Result<(Found, Scene)> {
+    let bytes = |path: &PathBuf| {
+        fs::read(path).with_context(|| {
+            format!(
+                "cannot read {}; delete {} to make it again",
+                path.display(),
+                output.path.display()
+            )
+        })
+    };
+    let json = output.beside("json");
+    let found: Found = serde_json::from_slice(&bytes(&json)?)
+        .with_context(|| format!("{} is no summary of a map; delete it", json.display()))?;
+    let header = found.header.clone();
+    let summary = found
+        .summary
+        .clone()
+        .with_context(|| format!("{} is no summary of a map; delete it", json.display()))?;
+    let picture = data_uri(&bytes(&output.beside("png"))?);
+    Ok((found, Scene { header, summary, picture }))
+}
