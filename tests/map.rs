@@ -299,6 +299,25 @@ fn a_finished_map_is_not_made_again() {
     assert_ne!(time(), before);
 }
 
+/// Random points have p = 1 without any scatter, and a map says which pixels had no trials.
+#[test]
+fn an_exact_map_has_no_scatter() {
+    let folder = Folder::new();
+    let more = ["--exact", "--samplers", "random,jittered", "--json"];
+    let found: Value = serde_json::from_str(&folder.done(&map("out.exr", &more))).unwrap();
+    let random = &found["samplers"][0];
+    assert!(random["computed"].as_u64().unwrap() > 137 * 105 / 2, "{random}");
+    let table = fs::read_to_string(folder.path("out.fits.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    let computed = |row: &&Vec<&str>| row[4] == "random" && row[21].contains("computed");
+    let fitted: Vec<_> = rows.iter().filter(computed).filter(|row| !row[10].is_empty()).collect();
+    assert!(fitted.len() > 100);
+    for row in fitted {
+        let p: f64 = row[10].parse().unwrap();
+        assert!((p - 1.0).abs() < 1e-9, "{row:?}");
+    }
+}
+
 /// Waits until a run has written something to its file of tiles.
 fn wait_for_tiles(child: &mut Child, part: &Path) {
     while child.try_wait().unwrap().is_none()
@@ -474,6 +493,12 @@ fn a_study_maps_every_scene_and_compares_the_samplers() {
     fs::write(folder.path("bad.toml"), "scenes = [\"edges\"]\nsamplers = [\"jitter\"]\n").unwrap();
     folder.refused(&["study", "bad.toml", "-o", "bad"], &["bad.toml", "samplers", "jittered"]);
     folder.refused(&["study", "no.toml", "-o", "bad"], &["no.toml", "path"]);
+    fs::write(
+        folder.path("wide.toml"),
+        "scenes = [\"edges\"]\nsamplers = [\"random\"]\n[regions]\nedges = [0, 0, 9999, 9]\n",
+    )
+    .unwrap();
+    folder.refused(&["study", "wide.toml", "-o", "bad"], &["wide.toml", "edges", "regions"]);
     File::create(folder.path("file")).unwrap();
     folder.refused(&["study", "night.toml", "-o", "file"], &["file", "--output"]);
 }

@@ -122,6 +122,10 @@ pub struct PixelArgs {
     /// How samples are traced
     #[arg(long, value_enum, default_value_t = TracerChoice::Beam)]
     pub tracer: TracerChoice,
+    /// Compute random and jittered exactly, without trials, where the pixel's visible polygons
+    /// can be resolved; other samplers and pixels are measured, and the reason is said
+    #[arg(long)]
+    pub exact: bool,
     #[command(flatten)]
     pub study: StudyArgs,
 }

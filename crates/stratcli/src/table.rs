@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use stratcore::StudyResult;
 use stratcore::fit::Fit;
-use stratcore::study::{Row, SamplerResult};
+use stratcore::study::{Method, Row, SamplerResult};
 use stratcore::theory::Class;
 
 /// Which side of a column its cells stand at.
@@ -64,13 +64,12 @@ pub fn with_error(value: f64, std_error: f64) -> String {
 
 /// A study: what was measured, then a table and its reading for each sampler.
 pub fn study(title: &str, result: &StudyResult) -> String {
-    let mut text = format!(
-        "{title}\nd = {} ({}), M = {} trials, seed {}\n",
-        result.dim,
-        result.axes.join(", "),
-        result.trials,
-        result.seed,
-    );
+    let mut text = format!("{title}\nd = {} ({}), ", result.dim, result.axes.join(", "));
+    if result.samplers.iter().all(|sampler| sampler.method == Method::Exact) {
+        text += "exact: no random numbers\n";
+    } else {
+        let _ = writeln!(text, "M = {} trials, seed {}", result.trials, result.seed);
+    }
     if let Some(reference) = result.reference {
         let _ = match reference.std_error {
             0.0 => writeln!(text, "reference mean {} (closed form)", reference.mean),
@@ -78,14 +77,21 @@ pub fn study(title: &str, result: &StudyResult) -> String {
         };
     }
     for sampler in &result.samplers {
-        let _ = write!(text, "\n{} (scramble: {})\n", sampler.name, sampler.scramble);
-        text += &rows(&sampler.rows);
+        let _ = write!(text, "\n{} (scramble: {})", sampler.name, sampler.scramble);
+        text += match (sampler.method, &sampler.unresolved) {
+            (Method::Exact, _) => ", exact\n".to_owned(),
+            (Method::Trials, Some(reason)) => format!(", by trials: {reason}\n"),
+            (Method::Trials, None) => "\n".to_owned(),
+        }
+        .as_str();
+        text += &rows(&sampler.rows, sampler.method);
         text += &reading(sampler);
     }
     text
 }
 
-fn rows(rows: &[Row]) -> String {
+fn rows(rows: &[Row], method: Method) -> String {
+    let measured = method == Method::Trials;
     let snapped = rows.iter().any(|row| row.n_used != row.n);
     let strata = rows.iter().any(|row| row.strata.is_some());
     let exact = rows.iter().any(|row| row.exact_variance.is_some());
@@ -100,7 +106,7 @@ fn rows(rows: &[Row]) -> String {
         (strata, "strata".to_owned()),
         (true, "mean".to_owned()),
         (true, "variance of mean".to_owned()),
-        (true, "95 % interval".to_owned()),
+        (measured, "95 % interval".to_owned()),
         (exact, "exact variance".to_owned()),
         (timed, "ns/sample".to_owned()),
     ]);
@@ -112,7 +118,7 @@ fn rows(rows: &[Row]) -> String {
             (strata, strata_used.join(" × ")),
             (true, number(row.grand_mean, 6)),
             (true, number(row.variance_of_mean, 4)),
-            (true, row.ci95().map(|end| number(end, 3)).join(" to ")),
+            (measured, row.ci95().map(|end| number(end, 3)).join(" to ")),
             (exact, optional(row.exact_variance, 4)),
             (timed, optional(row.ns_per_sample, 3)),
         ])
@@ -136,6 +142,19 @@ fn reading(sampler: &SamplerResult) -> String {
         );
     }
     match (&sampler.fit, sampler.exact) {
+        (Some(fit), _) if sampler.method == Method::Exact => {
+            let _ = writeln!(
+                text,
+                "  p = {}, N = {} to {}",
+                number(fit.exponent, 5),
+                fit.n_min,
+                fit.n_max
+            );
+            if let Some(fit) = sampler.fit_without_first {
+                let _ =
+                    writeln!(text, "  without the first point: p = {}", number(fit.exponent, 5));
+            }
+        }
         (Some(fit), _) => {
             let _ = writeln!(
                 text,

@@ -22,7 +22,8 @@ pub struct Fit {
     pub n_max: u64,
     /// Rows in the fit: those with a variance above zero.
     pub points: usize,
-    /// Σ (residual² / Var ln s²); about `points - 2` where one slope describes the rows.
+    /// Σ (residual² / Var ln s²); about `points - 2` where one slope describes the rows. Not
+    /// finite for exact rows, which have no noise to compare with.
     pub chi2: f64,
 }
 

@@ -13,6 +13,7 @@
 pub mod beam;
 pub mod counts;
 pub mod error;
+pub mod exact;
 pub mod fit;
 pub mod integrand;
 pub mod map;

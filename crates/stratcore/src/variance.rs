@@ -19,10 +19,11 @@ pub struct Spread {
 }
 
 impl Spread {
-    /// Ends of the 95 % interval of the variance; equal to it where it is 0.
+    /// Ends of the 95 % interval of the variance; equal to it where it is 0 or not measured but
+    /// known (`var_ln` = 0).
     pub fn ci95(&self) -> [f64; 2] {
-        if self.variance_of_mean == 0.0 {
-            return [0.0; 2];
+        if self.variance_of_mean == 0.0 || self.var_ln == 0.0 {
+            return [self.variance_of_mean; 2];
         }
         interval(self.variance_of_mean, 2.0 / self.var_ln)
     }

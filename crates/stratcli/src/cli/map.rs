@@ -34,6 +34,10 @@ pub struct MapArgs {
     /// How samples are traced
     #[arg(long, value_enum, default_value_t = TracerChoice::Beam)]
     pub tracer: TracerChoice,
+    /// Compute random and jittered exactly, without trials, where a pixel's visible polygons can
+    /// be resolved; measure the rest
+    #[arg(long)]
+    pub exact: bool,
     #[command(flatten)]
     pub protocol: ProtocolArgs,
 }

@@ -7,6 +7,7 @@ use anyhow::Result;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use stratcore::integrand::{self, CATALOGUE};
+use stratcore::study::{Control, study};
 
 #[derive(Serialize)]
 struct Subject<'a> {
@@ -31,5 +32,6 @@ pub fn run(args: &IntegrandArgs, common: &Common) -> Result<Outcome> {
         format!("{}, {}", args.name, shown.join(", "))
     };
     let subject = Subject { integrand: &args.name, params };
-    measure::run(subject, &title, &*integrand, [0, 0], &args.study, common)
+    let by = |plan: &_, control: Control<'_>| study(&*integrand, [0, 0], plan, control);
+    measure::run(subject, &title, integrand.dim(), &by, &args.study, common)
 }

@@ -23,11 +23,8 @@ use std::fs;
 use std::time::Instant;
 use stratcore::StudyError;
 use stratcore::integrand::Integrand as _;
-use stratcore::map::{
-    Header, Identity, MapPlan, Region, Shard, TileLog, expected_costs, measure_tile,
-};
-use stratcore::scene::Channel;
-use stratcore::study::{Control, StudyPlan, for_each};
+use stratcore::map::{Header, Identity, MapPlan, MapStudy, Region, Shard, TileLog, expected_costs};
+use stratcore::study::for_each;
 use stratcore::trace::TracedScene;
 
 /// What one run of `map` has to do.
@@ -53,9 +50,13 @@ pub fn run(args: &MapArgs, common: &Common) -> Result<Outcome> {
     let scene = super::load(&args.scene, common)?;
     let traced = TracedScene::new(scene).with_tracer(plan::tracer(args.tracer));
     let (channel, _) = plan::channel(args.channel);
-    let job = Job::new(traced, region, channel, output, |dim| {
-        plan::study_plan(&args.protocol, common, dim)
-    })?;
+    let dim = traced.pixel([0, 0], channel).dim();
+    let study = plan::study_plan(&args.protocol, common, dim)?;
+    let size = traced.scene().camera.resolution;
+    let region = region.unwrap_or(Region::whole(size));
+    region.check(size).context("--region")?;
+    let plan = MapPlan { study, region, channel, exact: args.exact };
+    let job = Job::new(traced, plan, output)?;
     let job = Job { shard, resume: args.resume, ..job };
     if args.dry_run {
         return estimate::run(&job, common);
@@ -83,20 +84,8 @@ pub enum Made {
 }
 
 impl Job {
-    /// The map of a scene, or of a region of it; `study` makes the study of a pixel of so many
-    /// dimensions. The whole of it, from the beginning.
-    pub fn new(
-        scene: TracedScene,
-        region: Option<Region>,
-        channel: Channel,
-        output: Output,
-        study: impl FnOnce(usize) -> Result<StudyPlan>,
-    ) -> Result<Self> {
-        let size = scene.scene().camera.resolution;
-        let region = region.unwrap_or(Region::whole(size));
-        region.check(size).context("--region")?;
-        let study = study(scene.pixel([region.x0, region.y0], channel).dim())?;
-        let plan = MapPlan { study, region, channel };
+    /// The whole map of a plan, from the beginning. The plan's region has been checked.
+    pub fn new(scene: TracedScene, plan: MapPlan, output: Output) -> Result<Self> {
         let identity = plan.identity(&scene)?;
         Ok(Self { scene, plan, identity, shard: Shard::WHOLE, output, resume: false })
     }
@@ -156,13 +145,12 @@ impl Job {
         let progress = Progress::new("map", self.samples(tiles), common);
         let control = progress.control();
         (control.progress)(self.samples(tiles) - self.samples(&missing));
-        for_each(missing.into_iter(), |tile| self.measure_one(log, tile, control))
-    }
-
-    fn measure_one(&self, log: &TileLog, tile: usize, control: Control<'_>) -> Result<()> {
-        let region = self.identity.tiling().tile(tile);
-        let spreads = measure_tile(&self.scene, region, &self.plan, control)?;
-        log.append(tile, &spreads).context("the tiles so far are kept; go on with --resume")
+        let study = MapStudy::new(&self.scene, &self.plan)?;
+        let measure_one = |tile: usize| -> Result<()> {
+            let spreads = study.tile(self.identity.tiling().tile(tile), control)?;
+            log.append(tile, &spreads).context("the tiles so far are kept; go on with --resume")
+        };
+        for_each(missing.into_iter(), measure_one)
     }
 
     /// Pixels of some tiles.

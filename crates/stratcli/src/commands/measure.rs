@@ -10,10 +10,9 @@ use crate::table;
 use anyhow::Result;
 use serde::Serialize;
 use std::time::Instant;
-use stratcore::StudyResult;
-use stratcore::integrand::Integrand;
 use stratcore::sampler::CountPolicy;
-use stratcore::study::{Control, study};
+use stratcore::study::Control;
+use stratcore::{StudyError, StudyPlan, StudyResult};
 
 /// A study as JSON.
 #[derive(Serialize)]
@@ -26,30 +25,28 @@ struct StudyDocument<'a, S> {
     expect: Option<&'a Verdict>,
 }
 
-/// Studies an integrand. `subject` names it in JSON and `title` in text.
+/// Studies an integrand of `dim` dimensions by `measure`. `subject` names it in JSON and `title`
+/// in text.
 pub fn run(
     subject: impl Serialize,
     title: &str,
-    integrand: &dyn Integrand,
-    pixel: [u32; 2],
+    dim: usize,
+    measure: &dyn Fn(&StudyPlan, Control<'_>) -> Result<StudyResult, StudyError>,
     args: &StudyArgs,
     common: &Common,
 ) -> Result<Outcome> {
     let expectation = args.expect.as_deref().map(str::parse::<Expectation>).transpose()?;
-    let plan = plan::study_plan(&args.protocol, common, integrand.dim())?;
+    let plan = plan::study_plan(&args.protocol, common, dim)?;
     let plot = args.plot.as_deref().map(PlotFile::create).transpose()?;
-    let per_trial: u64 = plan
-        .counts_used(integrand.dim())?
-        .iter()
-        .flatten()
-        .fold(0, |sum, n| sum.saturating_add(*n));
+    let per_trial: u64 =
+        plan.counts_used(dim)?.iter().flatten().fold(0, |sum, n| sum.saturating_add(*n));
     let progress =
         Progress::new("sampling", per_trial.saturating_mul(plan.n_trials.into()), common);
     let start = Instant::now();
     let clock = || start.elapsed();
     let control =
         Control { clock: if args.timing { Some(&clock) } else { None }, ..progress.control() };
-    let result = study(integrand, pixel, &plan, control)?;
+    let result = measure(&plan, control)?;
     drop(progress);
 
     if let Some(plot) = plot {

@@ -5,6 +5,9 @@ use crate::cli::{Common, PixelArgs};
 use crate::plan;
 use anyhow::{Result, ensure};
 use serde::Serialize;
+use stratcore::exact::TOLERANCE;
+use stratcore::integrand::Integrand;
+use stratcore::study::{Control, ExactStudy, study};
 use stratcore::trace::TracedScene;
 
 #[derive(Serialize)]
@@ -32,5 +35,10 @@ pub fn run(args: &PixelArgs, common: &Common) -> Result<Outcome> {
     let traced = TracedScene::new(scene).with_tracer(plan::tracer(args.tracer));
     let title = format!("{name}, pixel {},{}, {channel_name}", pixel[0], pixel[1]);
     let subject = Subject { scene: &name, channel: channel_name };
-    measure::run(subject, &title, &traced.pixel(pixel, channel), pixel, &args.study, common)
+    let integrand = traced.pixel(pixel, channel);
+    let by = |plan: &_, control: Control<'_>| match args.exact {
+        true => ExactStudy::new(plan, TOLERANCE)?.pixel(&integrand, pixel, control),
+        false => study(&integrand, pixel, plan, control),
+    };
+    measure::run(subject, &title, integrand.dim(), &by, &args.study, common)
 }

@@ -14,6 +14,8 @@ use file::{SceneEntry, StudyFile};
 use serde::Serialize;
 use std::fs;
 use std::path::{Path, PathBuf};
+use stratcore::integrand::Integrand as _;
+use stratcore::map::{MapPlan, Region};
 use stratcore::trace::TracedScene;
 
 /// The numbers of a study.
@@ -74,10 +76,16 @@ fn job(study: &StudyFile, entry: &SceneEntry, folder: &Path, common: &Common) ->
     let traced = TracedScene::new(scene).with_tracer(study.tracer);
     let path = folder.join(format!("{}.exr", entry.name));
     let output = Output { path, kind: Kind::Picture { points: study.points } };
-    let plan = |dim| study.plan(dim, common.seed);
-    let job = Job::new(traced, entry.region, study.channel, output, plan);
-    let job = job.with_context(|| format!("{}: scene {}", study.shown(), entry.name))?;
-    Ok(Job { resume: true, ..job })
+    let size = traced.scene().camera.resolution;
+    let region = entry.region.unwrap_or(Region::whole(size));
+    let dim = traced.pixel([0, 0], study.channel).dim();
+    let new = || -> Result<Job> {
+        region.check(size).context("regions")?;
+        let StudyFile { channel, exact, .. } = *study;
+        let plan = MapPlan { study: study.plan(dim, common.seed)?, region, channel, exact };
+        Ok(Job { resume: true, ..Job::new(traced, plan, output)? })
+    };
+    new().with_context(|| format!("{}: scene {}", study.shown(), entry.name))
 }
 
 /// A finished map from its files, whenever it was made.

@@ -4,7 +4,7 @@ use super::axis::{self, Axis, INK, MUTED, SMALL, centred, plain};
 use super::svg::{Marker, Rect, Stroke, Svg};
 use stratcore::StudyResult;
 use stratcore::sampler::{SHELF, Scramble};
-use stratcore::study::SamplerResult;
+use stratcore::study::{Method, SamplerResult};
 use stratcore::theory::Class;
 
 /// Colour, marker and dash that stand for one sampler in every figure. The colours are those of
@@ -57,7 +57,10 @@ pub fn legend(sampler: &SamplerResult) -> String {
     }
     match &sampler.fit {
         Some(fit) => {
-            text += &format!(" p = {:.2} ± {:.2}", fit.exponent, fit.std_error);
+            text += &match sampler.method {
+                Method::Exact => format!(" p = {:.4}, exact", fit.exponent),
+                Method::Trials => format!(" p = {:.2} ± {:.2}", fit.exponent, fit.std_error),
+            };
             let zeros = sampler.rows.len() - fit.points;
             if zeros > 0 {
                 text += &format!(", exact at {zeros} of {} N", sampler.rows.len());

@@ -14,4 +14,5 @@ mod shadow;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use affine::Affine;
 pub use pixel::PixelBeam;

@@ -3,7 +3,7 @@
 use crate::beam::affine::{Affine, CentredFrame, Quadratic};
 use crate::beam::facet::Facet;
 use crate::beam::gather::{Frustum, gather};
-use crate::beam::shade::{Shade, coefficients};
+use crate::beam::shade::{Lit, Shade, coefficients};
 use crate::beam::shadow::{Occluder, occluders};
 use crate::integrand::Integrand;
 use crate::rng::StreamKey;
@@ -137,9 +137,7 @@ impl PixelBeam {
             }
         }
         let Some((id, w)) = best else { return (None, self.background) };
-        let run = self.pixel32.facets[id as usize].occluders.clone();
-        let occluders = &self.occluders[run.start as usize..run.end as usize];
-        let lit = !occluders.iter().any(|occluder| occluder.blocks(s, t));
+        let lit = !self.occluders_of(id as usize).iter().any(|occluder| occluder.blocks(s, t));
         let shade = &self.shades[id as usize];
         (Some(id), shade.at(s, t, w, self.length_squared.at(s, t), lit))
     }
@@ -147,6 +145,36 @@ impl PixelBeam {
     /// Settles what f32 leaves in doubt.
     fn settle(&self, list: &[Entry], s: f64, t: f64) -> f64 {
         self.nearest(list.iter().map(|entry| entry.facet), s, t).1 - self.ground
+    }
+
+    pub(crate) fn facets(&self) -> &[Facet] {
+        &self.facets
+    }
+
+    /// What may stand between a facet and the light.
+    pub(crate) fn occluders_of(&self, facet: usize) -> &[Occluder] {
+        let run = self.pixel32.facets[facet].occluders.clone();
+        &self.occluders[run.start as usize..run.end as usize]
+    }
+
+    /// Radiance of a facet's plane at a position, in the light or out of it.
+    pub(crate) fn facet_radiance(&self, facet: usize, s: f64, t: f64, lit: bool) -> f64 {
+        let w = self.facets[facet].inverse_depth.at(s, t);
+        self.shades[facet].at(s, t, w, self.length_squared.at(s, t), lit)
+    }
+
+    /// Whether a facet's radiance is one number in the light and one in shadow.
+    pub(crate) fn is_constant(&self, facet: usize) -> bool {
+        matches!(self.shades[facet].lit, Lit::Constant(_))
+    }
+
+    pub(crate) fn background(&self) -> f64 {
+        self.background
+    }
+
+    /// A value near those of the pixel.
+    pub(crate) fn ground(&self) -> f64 {
+        self.ground
     }
 
     fn cells(&self) -> &Cells {

@@ -27,6 +27,10 @@ impl Occluder {
         self.conditions.iter().all(|condition| condition.at(s, t) >= 0.0)
     }
 
+    pub fn conditions(&self) -> &[Affine; 4] {
+        &self.conditions
+    }
+
     pub fn lanes(&self) -> Lanes4 {
         lanes(self.conditions)
     }

@@ -12,7 +12,7 @@ mod half_space;
 mod koch;
 mod linear;
 mod product;
-mod quadrature;
+pub(crate) mod quadrature;
 mod step;
 #[cfg(test)]
 mod test_support;

@@ -174,6 +174,7 @@ mod tests {
             study: StudyPlan::paper(),
             region: Region::whole(size),
             channel: Channel::Luminance,
+            exact: false,
         };
         let costs = expected_costs(&TracedScene::new(scene.clone()), &plan([128, 128]));
         assert_eq!(costs.len(), 16);

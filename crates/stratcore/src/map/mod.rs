@@ -1,11 +1,11 @@
 //! Maps: the study of every pixel of a region, in tiles that can be stored, split and merged.
 //!
 //! ```text
-//! MapPlan + TracedScene → Identity → Tiling → measure_tile → TileLog → TileSet → read_tile
+//! MapPlan + TracedScene → MapStudy → a tile's spreads → TileLog → TileSet → read_tile
 //! ```
 //!
 //! * The unit of work and of storage is a tile: the spreads of its pixels, one per sampler and
-//!   count ([`measure_tile`]). Every interval, fit and class is worked out from them again
+//!   count ([`MapStudy::tile`]). Every interval, fit and class is worked out from them again
 //!   ([`read_tile`]), so a map that was resumed, or merged from shards, is the map of one run.
 //! * [`TileLog`] is the file that finished tiles are added to; [`TileSet`] is any number of such
 //!   files that are read as one.
@@ -33,51 +33,63 @@ pub use set::TileSet;
 pub use summary::{ClassShare, Comparison, Gain, SamplerSummary, Summary, Tally};
 
 use crate::error::StudyError;
-use crate::scene::Channel;
-use crate::study::{Control, Reading, StudyPlan, study};
+use crate::exact;
+use crate::study::{Control, ExactStudy, Reading, collect, study};
 use crate::trace::TracedScene;
 use crate::variance::Spread;
 
-/// The spreads of one pixel, one per sampler and count, samplers first. All of them are NaN
-/// where some trial's mean is not finite: one such pixel should not cost the others.
-///
-/// # Errors
-/// As [`study`], but for `NonFinite`.
-pub fn measure_pixel(
-    scene: &TracedScene,
-    pixel: [u32; 2],
-    channel: Channel,
-    plan: &StudyPlan,
-    control: Control<'_>,
-) -> Result<Vec<Spread>, StudyError> {
-    match study(&scene.pixel(pixel, channel), pixel, plan, control) {
-        Ok(result) if result.complete => {
-            let rows = result.samplers.iter().flat_map(|sampler| &sampler.rows);
-            Ok(rows.map(|row| row.spread()).collect())
-        }
-        Ok(_) => Err(StudyError::Cancelled),
-        Err(StudyError::NonFinite { .. }) => {
-            const MISSING: Spread =
-                Spread { grand_mean: f64::NAN, variance_of_mean: f64::NAN, var_ln: f64::NAN };
-            Ok(vec![MISSING; plan.samplers.len() * plan.counts.len()])
-        }
-        Err(error) => Err(error),
-    }
+/// A plan and its scene, ready to be measured pixel by pixel.
+pub struct MapStudy<'a> {
+    scene: &'a TracedScene,
+    plan: &'a MapPlan,
+    /// Where variances are to be computed without trials.
+    exact: Option<ExactStudy<'a>>,
 }
 
-/// The spreads of a tile's pixels, row by row: what is stored of it.
-///
-/// # Errors
-/// As [`measure_pixel`].
-pub fn measure_tile(
-    scene: &TracedScene,
-    tile: Region,
-    plan: &MapPlan,
-    control: Control<'_>,
-) -> Result<Vec<Spread>, StudyError> {
-    let pixels: Vec<_> = tile.pixels().collect();
-    let measure = |pixel| measure_pixel(scene, pixel, plan.channel, &plan.study, control);
-    Ok(crate::study::collect(pixels, measure)?.concat())
+impl<'a> MapStudy<'a> {
+    /// Makes ready what all pixels share.
+    ///
+    /// # Errors
+    /// What [`StudyPlan::counts_used`](crate::StudyPlan::counts_used) refuses.
+    pub fn new(scene: &'a TracedScene, plan: &'a MapPlan) -> Result<Self, StudyError> {
+        let exact = plan.exact.then(|| ExactStudy::new(&plan.study, exact::TOLERANCE));
+        Ok(Self { scene, plan, exact: exact.transpose()? })
+    }
+
+    /// The spreads of one pixel, one per sampler and count, samplers first. All of them are NaN
+    /// where some trial's mean is not finite: one such pixel should not cost the others.
+    ///
+    /// # Errors
+    /// As [`study`], but for `NonFinite`.
+    pub fn pixel(&self, pixel: [u32; 2], control: Control<'_>) -> Result<Vec<Spread>, StudyError> {
+        const MISSING: Spread =
+            Spread { grand_mean: f64::NAN, variance_of_mean: f64::NAN, var_ln: f64::NAN };
+        let plan = &self.plan.study;
+        let integrand = self.scene.pixel(pixel, self.plan.channel);
+        let studied = match &self.exact {
+            Some(exact) => exact.pixel(&integrand, pixel, control),
+            None => study(&integrand, pixel, plan, control),
+        };
+        match studied {
+            Ok(result) if result.complete => {
+                let rows = result.samplers.iter().flat_map(|sampler| &sampler.rows);
+                Ok(rows.map(|row| row.spread()).collect())
+            }
+            Ok(_) => Err(StudyError::Cancelled),
+            Err(StudyError::NonFinite { .. }) => {
+                Ok(vec![MISSING; plan.samplers.len() * plan.counts.len()])
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// The spreads of a tile's pixels, row by row: what is stored of it.
+    ///
+    /// # Errors
+    /// As [`MapStudy::pixel`].
+    pub fn tile(&self, tile: Region, control: Control<'_>) -> Result<Vec<Spread>, StudyError> {
+        Ok(collect(tile.pixels().collect(), |pixel| self.pixel(pixel, control))?.concat())
+    }
 }
 
 /// What a map says of one pixel under one sampler.
@@ -93,6 +105,11 @@ impl PixelReading {
     /// Whether nothing is known: some trial's mean was not finite.
     pub fn is_missing(&self) -> bool {
         self.spreads.iter().any(|spread| spread.variance_of_mean.is_nan())
+    }
+
+    /// Whether its variances were computed without trials.
+    pub fn is_computed(&self) -> bool {
+        self.spreads.iter().all(|spread| spread.var_ln == 0.0)
     }
 }
 

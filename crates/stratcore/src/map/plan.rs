@@ -20,6 +20,9 @@ pub struct MapPlan {
     pub region: Region,
     /// Which number of their radiance.
     pub channel: Channel,
+    /// Compute `random` and `jittered` without trials where a pixel can be resolved
+    /// ([`crate::exact`]).
+    pub exact: bool,
 }
 
 /// Everything that the numbers of a map depend on. Two runs with the same identity have the same
@@ -42,6 +45,8 @@ pub struct Identity {
     pub channel: Channel,
     /// How samples are traced.
     pub tracer: Tracer,
+    /// Whether variances are computed without trials where that can be done.
+    pub exact: bool,
     /// Dimensions of a pixel's integral.
     pub dim: usize,
     /// The samplers, in order.
@@ -87,7 +92,7 @@ impl MapPlan {
     /// What [`StudyPlan::counts_used`] refuses. The region is for the caller to
     /// [check](Region::check).
     pub fn identity(&self, scene: &TracedScene) -> Result<Identity, StudyError> {
-        let Self { study, region, channel } = self;
+        let Self { study, region, channel, exact } = self;
         let dim = scene.pixel([region.x0, region.y0], *channel).dim();
         let counts_used = study.counts_used(dim)?;
         let samplers = study.samplers.iter().zip(counts_used);
@@ -100,6 +105,7 @@ impl MapPlan {
             tile_side: Self::TILE_SIDE,
             channel: *channel,
             tracer: scene.tracer(),
+            exact: *exact,
             dim,
             samplers: samplers
                 .map(|(choice, counts_used)| SamplerIdentity {
@@ -200,7 +206,12 @@ mod tests {
     fn identity(change: impl FnOnce(&mut MapPlan, &mut Scene)) -> Identity {
         let mut scene = load("classic").unwrap();
         let region = Region { x0: 1, y0: 2, x1: 9, y1: 9 };
-        let mut plan = MapPlan { study: StudyPlan::paper(), region, channel: Channel::Luminance };
+        let mut plan = MapPlan {
+            study: StudyPlan::paper(),
+            region,
+            channel: Channel::Luminance,
+            exact: false,
+        };
         change(&mut plan, &mut scene);
         plan.identity(&TracedScene::new(scene)).unwrap()
     }
@@ -211,13 +222,14 @@ mod tests {
         assert_eq!(base.hash(), identity(|_, _| ()).hash());
         assert_eq!(base.differences(&base), "");
         type Change = fn(&mut MapPlan, &mut Scene);
-        let changes: [(&str, Change); 8] = [
+        let changes: [(&str, Change); 9] = [
             ("seed", |plan, _| plan.study.seed = 7),
             ("trials", |plan, _| plan.study.n_trials = 51),
             ("counts", |plan, _| plan.study.counts.truncate(9)),
             ("samplers", |plan, _| plan.study.samplers.reverse()),
             ("region", |plan, _| plan.region.x1 = 10),
             ("channel", |plan, _| plan.channel = Channel::R),
+            ("exact", |plan, _| plan.exact = true),
             ("scene_hash", |_, scene| scene.mesh.positions[5].x += 1e-9),
             ("scene_hash", |_, scene| scene.materials[2].kd[1] *= 0.5),
         ];

@@ -46,6 +46,8 @@ pub struct SamplerSummary {
     pub exact: u64,
     /// Pixels with a fit and zero variance at some N.
     pub partly_exact: u64,
+    /// Pixels whose variances were computed without trials.
+    pub computed: u64,
     /// Pixels with too few variances above zero for a fit, though not all are zero.
     pub unfitted: u64,
     /// Mean of p over the fits; none without fits.
@@ -106,6 +108,7 @@ struct Exponents {
     exact: u64,
     partly_exact: u64,
     unfitted: u64,
+    computed: u64,
     /// Sums of p - 1 and of its square.
     sums: [f64; 2],
     histogram: Histogram,
@@ -149,6 +152,7 @@ impl Tally {
             exact: 0,
             partly_exact: 0,
             unfitted: 0,
+            computed: 0,
             sums: [0.0; 2],
             histogram: Histogram::new(0.0, 0.02, 200),
         };
@@ -231,6 +235,7 @@ impl Tally {
 
 impl Exponents {
     fn add(&mut self, pixel: &PixelReading) {
+        self.computed += u64::from(pixel.is_computed());
         let Some(fit) = &pixel.reading.fit else {
             *(if pixel.reading.exact { &mut self.exact } else { &mut self.unfitted }) += 1;
             return;
@@ -253,6 +258,7 @@ impl Exponents {
             exact: self.exact,
             partly_exact: self.partly_exact,
             unfitted: self.unfitted,
+            computed: self.computed,
             mean: (self.fitted > 0).then(|| 1.0 + sum / n),
             std_deviation: (self.fitted > 1).then(|| variance.max(0.0).sqrt()),
             quartiles: quartiles(&self.histogram),

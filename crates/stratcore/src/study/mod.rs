@@ -1,14 +1,16 @@
 //! The experiment: pixels × samplers × N × M. The only module that owns threads.
 
+mod exact;
 mod parallel;
 mod picture;
 mod plan;
 mod result;
 
+pub use exact::ExactStudy;
 pub use parallel::{collect, for_each, in_order, thread_count, with_threads};
 pub use picture::{Image, render};
 pub use plan::{SamplerChoice, StudyPlan};
-pub use result::{Reading, Row, SamplerResult, StudyResult};
+pub use result::{Method, Reading, Row, SamplerResult, StudyResult};
 
 use crate::error::StudyError;
 use crate::integrand::{Integrand, Regularity};
@@ -215,5 +217,7 @@ fn summarise(integrand: &dyn Integrand, choice: SamplerChoice, rows: Vec<Row>) -
         class_is_sure,
         predicted,
         rows,
+        method: Method::Trials,
+        unresolved: None,
     }
 }

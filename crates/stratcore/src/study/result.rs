@@ -1,5 +1,6 @@
 //! What was measured.
 
+use crate::exact::Unresolved;
 use crate::fit::{Fit, fit};
 use crate::integrand::Reference;
 use crate::sampler::Scramble;
@@ -50,6 +51,22 @@ pub struct SamplerResult {
     /// The exponent that theory predicts: from the integrand's known regularity, otherwise
     /// from the class.
     pub predicted: Option<f64>,
+    /// Where the rows come from.
+    pub method: Method,
+    /// Why they come from trials although exact values were asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub unresolved: Option<Unresolved>,
+}
+
+/// Where a sampler's rows come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// Measured: M repeats of each estimate.
+    Trials,
+    /// Computed from the pixel's visible polygons, without a random number: each row's variance
+    /// is known, its interval has no width and `var_ln` is 0.
+    Exact,
 }
 
 /// The spread of M trial means at one N.

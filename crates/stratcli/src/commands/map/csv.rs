@@ -86,6 +86,7 @@ fn fit(text: &mut String, plan: &Identity, pixel: &PixelReading) {
         (has_zero && !reading.exact, "partly-exact"),
         (reading.class.is_some() && !reading.class_is_sure, "class-unsure"),
         (pixel.is_missing(), "missing"),
+        (pixel.is_computed(), "computed"),
     ];
     let flags: Vec<_> = flags.iter().filter(|(set, _)| *set).map(|(_, name)| *name).collect();
     let _ = writeln!(text, ",{}", flags.join("|"));

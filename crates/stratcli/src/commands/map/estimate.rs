@@ -15,7 +15,7 @@ use std::fs::{self, OpenOptions};
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
-use stratcore::map::{Header, Shard, measure_pixel};
+use stratcore::map::{Header, MapStudy, Shard};
 use stratcore::study::{Control, collect, thread_count};
 
 /// What a map would take.
@@ -94,11 +94,11 @@ fn calibrate(job: &Job, tiles: &[usize]) -> Result<Vec<f64>> {
         let width = u64::from(region.size()[0]);
         Some([region.x0 + (within % width) as u32, region.y0 + (within / width) as u32])
     };
+    let study = MapStudy::new(&job.scene, &job.plan)?;
     let time = |i: u64| -> Result<Option<f64>> {
         let Some(pixel) = pixel(i) else { return Ok(None) };
         let start = Instant::now();
-        let plan = &job.plan;
-        measure_pixel(&job.scene, pixel, plan.channel, &plan.study, Control::unwatched())?;
+        study.pixel(pixel, Control::unwatched())?;
         Ok(Some(start.elapsed().as_secs_f64()))
     };
     // What is made once in a process, such as costly point sets, is no part of a pixel's time.

@@ -21,6 +21,11 @@ pub fn report(found: &Found) -> String {
     );
     if let Some(summary) = &found.summary {
         text += &numbers(summary);
+        if plan.exact {
+            let computed = summary.samplers.iter().map(|s| format!("{} {}", s.sampler, s.computed));
+            let computed = computed.collect::<Vec<_>>().join(", ");
+            let _ = writeln!(text, "pixels computed without trials: {computed}");
+        }
     }
     for file in &found.files {
         let _ = writeln!(text, "{}", file.display()); // cannot fail

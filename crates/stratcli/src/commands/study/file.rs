@@ -32,6 +32,8 @@ struct Keys {
     #[serde(default)]
     tracer: Tracer,
     #[serde(default)]
+    exact: bool,
+    #[serde(default)]
     points: bool,
     #[serde(default)]
     regions: BTreeMap<String, [u32; 4]>,
@@ -56,6 +58,7 @@ pub struct StudyFile {
     scenes: Vec<SceneEntry>,
     pub channel: Channel,
     pub tracer: Tracer,
+    pub exact: bool,
     pub points: bool,
 }
 
@@ -82,8 +85,8 @@ impl StudyFile {
         })?;
         let samplers = samplers(&keys).with_context(|| shown.to_string())?;
         let scenes = scenes(&keys, path).with_context(|| shown.to_string())?;
-        let Keys { channel, tracer, points, .. } = keys;
-        Ok(Self { path: path.to_owned(), keys, samplers, scenes, channel, tracer, points })
+        let Keys { channel, tracer, exact, points, .. } = keys;
+        Ok(Self { path: path.to_owned(), keys, samplers, scenes, channel, tracer, exact, points })
     }
 
     /// Its path, for messages.
