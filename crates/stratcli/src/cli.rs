@@ -1,12 +1,18 @@
 //! The command line as it is typed: words only; [`plan`](crate::plan) gives them meaning.
 
 mod discrepancy;
+mod map;
+mod merge;
 mod points;
 mod spectrum;
+mod study;
 
 pub use discrepancy::DiscrepancyArgs;
+pub use map::MapArgs;
+pub use merge::MergeArgs;
 pub use points::{PointFormat, PointsArgs};
 pub use spectrum::SpectrumArgs;
+pub use study::StudyFileArgs;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -62,6 +68,12 @@ pub enum Command {
     Discrepancy(DiscrepancyArgs),
     /// At which frequencies the power of point sets, or of a picture's error, lies
     Spectrum(SpectrumArgs),
+    /// How fast every pixel converges: exponents, classes and variances as a picture
+    Map(MapArgs),
+    /// The shards of a map to one map
+    Merge(MergeArgs),
+    /// Maps of many scenes under many samplers, and a report that compares them
+    Study(StudyFileArgs),
     /// Names that can be typed, each with one line of help
     List(ListArgs),
     /// A completion script for a shell
@@ -198,9 +210,9 @@ pub struct CompletionsArgs {
     pub shell: clap_complete::Shell,
 }
 
-/// How a study is made, whatever it is of.
+/// Which estimates are repeated, and how often.
 #[derive(Debug, Args)]
-pub struct StudyArgs {
+pub struct ProtocolArgs {
     /// Samplers to compare, a scramble after a plus sign: jittered,sobol+owen-hash (see
     /// `stratcli list samplers`)
     #[arg(long, value_name = "A,B", value_delimiter = ',', default_value = "random,jittered")]
@@ -216,6 +228,13 @@ pub struct StudyArgs {
     /// What to do with an N that a sampler cannot make
     #[arg(long, value_enum, value_name = "POLICY", default_value_t = NPolicy::Error)]
     pub n_policy: NPolicy,
+}
+
+/// How a study is made, whatever it is of.
+#[derive(Debug, Args)]
+pub struct StudyArgs {
+    #[command(flatten)]
+    pub protocol: ProtocolArgs,
     /// Exit with 1 unless the exponent (of jittered, else of the last sampler) is p ± tol
     #[arg(long, value_name = "P:TOL", allow_hyphen_values = true)]
     pub expect: Option<String>,

@@ -72,13 +72,23 @@ pub struct AtomicFile {
 impl AtomicFile {
     /// Opens a temporary file beside `path`.
     pub fn create(path: &Path) -> Result<Self> {
+        Self::create_as(path, &format!(".{}.tmp", std::process::id()))
+    }
+
+    /// The same for a caller who holds a lock on `path`: what a killed run left behind is
+    /// written over.
+    pub fn create_locked(path: &Path) -> Result<Self> {
+        Self::create_as(path, ".tmp")
+    }
+
+    fn create_as(path: &Path, ending: &str) -> Result<Self> {
         let shown = path.display();
         let Some(name) = path.file_name().filter(|_| !path.is_dir()) else {
             bail!("cannot write {shown}: it is a folder; name a file");
         };
         let mut hidden = std::ffi::OsString::from(".");
         hidden.push(name);
-        hidden.push(format!(".{}.tmp", std::process::id()));
+        hidden.push(ending);
         let temporary = path.with_file_name(hidden);
         let file = File::create(&temporary).with_context(|| {
             format!("cannot write {shown}; choose a folder that exists and can be written to")
@@ -90,7 +100,19 @@ impl AtomicFile {
     pub fn commit(mut self, contents: &[u8]) -> Result<()> {
         self.file
             .write_all(contents)
-            .and_then(|()| self.file.sync_all())
+            .with_context(|| format!("cannot write {}", self.path.display()))?;
+        self.commit_written()
+    }
+
+    /// The file, to be written bit by bit before [`AtomicFile::commit_written`].
+    pub fn file(&self) -> &File {
+        &self.file
+    }
+
+    /// Gives the file its name with what was written to it, in place of any older one.
+    pub fn commit_written(self) -> Result<()> {
+        self.file
+            .sync_all()
             .and_then(|()| fs::rename(&self.temporary, &self.path))
             .with_context(|| format!("cannot write {}", self.path.display()))
     }

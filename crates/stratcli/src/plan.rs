@@ -1,17 +1,19 @@
 //! From words as typed to the objects that a study works with.
 
-use crate::cli::{Common, NPolicy, StudyArgs};
+use crate::cli::{Common, NPolicy, ProtocolArgs, StudiedChannel, TracerChoice};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use serde::Serialize;
 use std::fmt;
 use std::str::FromStr;
 use stratcore::counts::parse_counts;
 use stratcore::sampler::{CountPolicy, Scramble, count_used};
+use stratcore::scene::Channel;
 use stratcore::study::{SamplerChoice, StudyPlan};
+use stratcore::trace::Tracer;
 use stratcore::{StudyError, StudyResult};
 
 /// The plan of a study of an integrand with `dim` dimensions.
-pub fn study_plan(args: &StudyArgs, common: &Common, dim: usize) -> Result<StudyPlan> {
+pub fn study_plan(args: &ProtocolArgs, common: &Common, dim: usize) -> Result<StudyPlan> {
     let samplers = samplers(&args.samplers, None)?;
     let count_policy = args.n_policy.into();
     Ok(StudyPlan {
@@ -64,7 +66,7 @@ pub fn about_spp(error: StudyError) -> anyhow::Error {
 /// The paper's counts in two dimensions (1, 4, …, 256) and in four (1, 16, …, 10,000). In any
 /// other number of dimensions above two, N = k^d up to the same 10,000, but two counts at
 /// the least: below that there is no slope.
-fn default_counts(dim: usize) -> Result<Vec<u64>> {
+pub fn default_counts(dim: usize) -> Result<Vec<u64>> {
     const LARGEST: u64 = 10_000;
     const MOST_DIMS: usize = 16;
     ensure!(
@@ -99,6 +101,24 @@ fn common_counts(
         samplers.iter().map(|c| c.sampler.name()).collect::<Vec<_>>().join(", ")
     );
     Ok(counts)
+}
+
+/// `--channel`, and its name.
+pub fn channel(choice: StudiedChannel) -> (Channel, &'static str) {
+    match choice {
+        StudiedChannel::Luminance => (Channel::Luminance, "luminance"),
+        StudiedChannel::R => (Channel::R, "r"),
+        StudiedChannel::G => (Channel::G, "g"),
+        StudiedChannel::B => (Channel::B, "b"),
+    }
+}
+
+/// `--tracer`
+pub fn tracer(choice: TracerChoice) -> Tracer {
+    match choice {
+        TracerChoice::Beam => Tracer::Beam,
+        TracerChoice::Bvh => Tracer::Bvh,
+    }
 }
 
 /// Two values with `separator` between them.

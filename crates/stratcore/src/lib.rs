@@ -18,6 +18,7 @@ pub mod exact;
 pub mod fit;
 pub mod integrand;
 pub mod literature;
+pub mod map;
 pub mod rng;
 pub mod sampler;
 pub mod scene;

@@ -55,10 +55,26 @@ enum LightFacts {
     Directional { towards: [f64; 3], irradiance: Rgb },
 }
 
+/// Bytes in memory.
 #[derive(Serialize)]
-struct MemoryFacts {
-    scene: usize,
-    bvh: usize,
+pub struct MemoryFacts {
+    pub scene: usize,
+    pub bvh: usize,
+}
+
+impl MemoryFacts {
+    pub fn of(traced: &TracedScene) -> Self {
+        let Scene { mesh, materials, .. } = traced.scene();
+        let bvh = traced.accel().bvh();
+        Self {
+            scene: size_of_val(&*mesh.positions)
+                + size_of_val(&*mesh.triangles)
+                + size_of_val(&*mesh.materials)
+                + mesh.corner_normals.as_deref().map_or(0, size_of_val)
+                + size_of_val(&**materials),
+            bvh: size_of_val(&*bvh.nodes) + size_of_val(&*bvh.primitive_indices),
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -90,7 +106,6 @@ fn inspect(traced: &TracedScene) -> Inspection {
         exponent: class.predicted_exponent(dim),
         meaning,
     };
-    let bvh = traced.accel().bvh();
     Inspection {
         scene: name.clone(),
         camera: CameraFacts {
@@ -119,14 +134,7 @@ fn inspect(traced: &TracedScene) -> Inspection {
         },
         ambient: *ambient,
         background: *background,
-        memory_bytes: MemoryFacts {
-            scene: size_of_val(&*mesh.positions)
-                + size_of_val(&*mesh.triangles)
-                + size_of_val(&*mesh.materials)
-                + mesh.corner_normals.as_deref().map_or(0, size_of_val)
-                + size_of_val(&**materials),
-            bvh: size_of_val(&*bvh.nodes) + size_of_val(&*bvh.primitive_indices),
-        },
+        memory_bytes: MemoryFacts::of(traced),
         notes: notes.clone(),
         dim,
         axes: pixel.axes(),

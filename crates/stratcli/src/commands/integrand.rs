@@ -1,6 +1,6 @@
 //! `integrand`: the same study of a function whose mean is known.
 
-use super::Outcome;
+use super::{Outcome, measure};
 use crate::cli::{Common, IntegrandArgs};
 use crate::plan;
 use anyhow::Result;
@@ -32,6 +32,6 @@ pub fn run(args: &IntegrandArgs, common: &Common) -> Result<Outcome> {
         format!("{}, {}", args.name, shown.join(", "))
     };
     let subject = Subject { integrand: &args.name, params };
-    let measure = |plan: &_, control: Control<'_>| study(&*integrand, [0, 0], plan, control);
-    super::study::run(subject, &title, integrand.dim(), &measure, &args.study, common)
+    let by = |plan: &_, control: Control<'_>| study(&*integrand, [0, 0], plan, control);
+    measure::run(subject, &title, integrand.dim(), &by, &args.study, common)
 }

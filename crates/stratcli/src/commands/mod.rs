@@ -5,6 +5,9 @@ mod discrepancy;
 mod inspect;
 mod integrand;
 mod list;
+mod map;
+mod measure;
+mod merge;
 mod pixel;
 mod points;
 mod render;
@@ -53,6 +56,9 @@ pub fn run(cli: &Cli) -> Result<Outcome> {
         Command::Points(args) => points::run(args, common),
         Command::Discrepancy(args) => discrepancy::run(args, common),
         Command::Spectrum(args) => spectrum::run(args, common),
+        Command::Map(args) => map::run(args, common),
+        Command::Merge(args) => merge::run(args, common),
+        Command::Study(args) => study::run(args, common),
         Command::List(args) => list::run(args, common),
         Command::Completions(args) => completions::run(args, common),
     })

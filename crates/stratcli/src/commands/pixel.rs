@@ -1,15 +1,14 @@
 //! `pixel`: how fast one pixel converges.
 
-use super::Outcome;
-use crate::cli::{Common, PixelArgs, StudiedChannel, TracerChoice};
+use super::{Outcome, measure};
+use crate::cli::{Common, PixelArgs};
 use crate::plan;
 use anyhow::{Result, ensure};
 use serde::Serialize;
 use stratcore::exact::TOLERANCE;
 use stratcore::integrand::Integrand;
-use stratcore::scene::Channel;
 use stratcore::study::{Control, ExactStudy, study};
-use stratcore::trace::{TracedScene, Tracer};
+use stratcore::trace::TracedScene;
 
 #[derive(Serialize)]
 struct Subject<'a> {
@@ -31,24 +30,15 @@ pub fn run(args: &PixelArgs, common: &Common) -> Result<Outcome> {
         width - 1,
         height - 1,
     );
-    let (channel, channel_name) = match args.channel {
-        StudiedChannel::Luminance => (Channel::Luminance, "luminance"),
-        StudiedChannel::R => (Channel::R, "r"),
-        StudiedChannel::G => (Channel::G, "g"),
-        StudiedChannel::B => (Channel::B, "b"),
-    };
+    let (channel, channel_name) = plan::channel(args.channel);
     let name = scene.name.clone();
-    let tracer = match args.tracer {
-        TracerChoice::Beam => Tracer::Beam,
-        TracerChoice::Bvh => Tracer::Bvh,
-    };
-    let traced = TracedScene::new(scene).with_tracer(tracer);
+    let traced = TracedScene::new(scene).with_tracer(plan::tracer(args.tracer));
     let title = format!("{name}, pixel {},{}, {channel_name}", pixel[0], pixel[1]);
     let subject = Subject { scene: &name, channel: channel_name };
     let integrand = traced.pixel(pixel, channel);
-    let measure = |plan: &_, control: Control<'_>| match args.exact {
+    let by = |plan: &_, control: Control<'_>| match args.exact {
         true => ExactStudy::new(plan, TOLERANCE)?.pixel(&integrand, pixel, control),
         false => study(&integrand, pixel, plan, control),
     };
-    super::study::run(subject, &title, integrand.dim(), &measure, &args.study, common)
+    measure::run(subject, &title, integrand.dim(), &by, &args.study, common)
 }

@@ -1,81 +1,112 @@
-//! What `pixel` and `integrand` share: run the plan, show the result, judge the expectation.
+//! `study`: maps of many scenes under many samplers, and a report that compares them.
+
+mod file;
 
 use super::Outcome;
-use crate::cli::{Common, StudyArgs};
-use crate::output;
-use crate::plan::{self, Expectation, Verdict};
-use crate::progress::Progress;
-use crate::report::{PlotFile, chart};
-use crate::table;
-use anyhow::Result;
+use super::map::finish::{Found, Kind, Output};
+use super::map::{Job, Made};
+use crate::cli::{Common, StudyFileArgs};
+use crate::output::{self, AtomicFile};
+use crate::report::comparison::{self, Scene};
+use crate::report::raster::data_uri;
+use anyhow::{Context, Result};
+use file::{SceneEntry, StudyFile};
 use serde::Serialize;
-use std::time::Instant;
-use stratcore::sampler::CountPolicy;
-use stratcore::study::Control;
-use stratcore::{StudyError, StudyPlan, StudyResult};
+use std::fs;
+use std::path::{Path, PathBuf};
+use stratcore::integrand::Integrand as _;
+use stratcore::map::{MapPlan, Region};
+use stratcore::trace::TracedScene;
 
-/// A study as JSON.
+/// The numbers of a study.
 #[derive(Serialize)]
-struct StudyDocument<'a, S> {
-    #[serde(flatten)]
-    subject: S,
-    n_policy: CountPolicy,
-    #[serde(flatten)]
-    result: &'a StudyResult,
-    expect: Option<&'a Verdict>,
+struct StudySummary<'a> {
+    study: &'a Path,
+    seed: u64,
+    maps: Vec<Found>,
 }
 
-/// Studies an integrand of `dim` dimensions by `measure`. `subject` names it in JSON and `title`
-/// in text.
-pub fn run(
-    subject: impl Serialize,
-    title: &str,
-    dim: usize,
-    measure: &dyn Fn(&StudyPlan, Control<'_>) -> Result<StudyResult, StudyError>,
-    args: &StudyArgs,
-    common: &Common,
-) -> Result<Outcome> {
-    let expectation = args.expect.as_deref().map(str::parse::<Expectation>).transpose()?;
-    let plan = plan::study_plan(args, common, dim)?;
-    let plot = args.plot.as_deref().map(PlotFile::create).transpose()?;
-    let per_trial: u64 =
-        plan.counts_used(dim)?.iter().flatten().fold(0, |sum, n| sum.saturating_add(*n));
-    let progress =
-        Progress::new("sampling", per_trial.saturating_mul(plan.n_trials.into()), common);
-    let start = Instant::now();
-    let clock = || start.elapsed();
-    let control =
-        Control { clock: if args.timing { Some(&clock) } else { None }, ..progress.control() };
-    let result = measure(&plan, control)?;
-    drop(progress);
-
-    if let Some(plot) = plot {
-        plot.commit(&chart::convergence(title, &result))?;
-    }
-    let verdict = match expectation {
-        Some(expectation) if result.complete => expectation.judge(&result),
-        _ => None,
-    };
-    if common.json {
-        output::print_json(StudyDocument {
-            subject,
-            n_policy: plan.count_policy,
-            result: &result,
-            expect: verdict.as_ref(),
-        })?;
-    } else {
-        output::print(&table::study(title, &result))?;
-    }
-    if !result.complete {
-        let (kept, planned) = (result.samplers.len(), plan.samplers.len());
-        output::note(&format!("interrupted: {kept} of {planned} samplers were finished and kept"));
-        return Ok(Outcome::Interrupted);
-    }
-    match verdict {
-        Some(verdict) if !verdict.holds => {
-            output::note(&verdict.to_string());
-            Ok(Outcome::ExpectationFailed)
+pub fn run(args: &StudyFileArgs, common: &Common) -> Result<Outcome> {
+    let study = StudyFile::read(&args.file)?;
+    fs::create_dir_all(&args.output).with_context(|| {
+        format!("cannot make the folder {}; choose another with --output", args.output.display())
+    })?;
+    // Every fault of the file is found before the first map is made.
+    let jobs = study
+        .scenes()
+        .iter()
+        .map(|entry| job(&study, entry, &args.output, common))
+        .collect::<Result<Vec<_>>>()?;
+    let (mut maps, mut scenes) = (Vec::new(), Vec::new());
+    for job in &jobs {
+        let name = &job.identity.scene;
+        let made = job.run(common).with_context(|| format!("scene {name}"))?;
+        let words = match made {
+            Made::Written(_) => "done",
+            Made::Earlier => "was done already",
+            Made::Interrupted => return Ok(Outcome::Interrupted),
+        };
+        if !common.quiet {
+            output::note(&format!("{name}: {words}"));
         }
-        _ => Ok(Outcome::Done),
+        let (found, scene) = read(&job.output)?;
+        maps.push(found);
+        scenes.push(scene);
     }
+    let page = comparison::render(&title(&args.file), &scenes);
+    let report = args.output.join("report.html");
+    AtomicFile::create(&report)?.commit(page.as_bytes())?;
+    let summary = StudySummary { study: &args.file, seed: common.seed, maps };
+    let json = output::json(&summary)?;
+    AtomicFile::create(&args.output.join("summary.json"))?.commit(json.as_bytes())?;
+    if common.json {
+        output::print(&json)?;
+    } else {
+        output::print(&(comparison::text(&scenes) + &format!("\n{}\n", report.display())))?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn title(path: &Path) -> String {
+    path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+}
+
+fn job(study: &StudyFile, entry: &SceneEntry, folder: &Path, common: &Common) -> Result<Job> {
+    let scene = super::load(&entry.spec, common)?;
+    let traced = TracedScene::new(scene).with_tracer(study.tracer);
+    let path = folder.join(format!("{}.exr", entry.name));
+    let output = Output { path, kind: Kind::Picture { points: study.points } };
+    let size = traced.scene().camera.resolution;
+    let region = entry.region.unwrap_or(Region::whole(size));
+    let dim = traced.pixel([0, 0], study.channel).dim();
+    let new = || -> Result<Job> {
+        region.check(size).context("regions")?;
+        let StudyFile { channel, exact, .. } = *study;
+        let plan = MapPlan { study: study.plan(dim, common.seed)?, region, channel, exact };
+        Ok(Job { resume: true, ..Job::new(traced, plan, output)? })
+    };
+    new().with_context(|| format!("{}: scene {}", study.shown(), entry.name))
+}
+
+/// A finished map from its files, whenever it was made.
+fn read(output: &Output) -> Result<(Found, Scene)> {
+    let bytes = |path: &PathBuf| {
+        fs::read(path).with_context(|| {
+            format!(
+                "cannot read {}; delete {} to make it again",
+                path.display(),
+                output.path.display()
+            )
+        })
+    };
+    let json = output.beside("json");
+    let found: Found = serde_json::from_slice(&bytes(&json)?)
+        .with_context(|| format!("{} is no summary of a map; delete it", json.display()))?;
+    let header = found.header.clone();
+    let summary = found
+        .summary
+        .clone()
+        .with_context(|| format!("{} is no summary of a map; delete it", json.display()))?;
+    let picture = data_uri(&bytes(&output.beside("png"))?);
+    Ok((found, Scene { header, summary, picture }))
 }

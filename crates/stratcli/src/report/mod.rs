@@ -2,12 +2,14 @@
 
 pub mod axis;
 pub mod chart;
+pub mod comparison;
 pub mod discrepancy;
 pub mod gain;
 pub mod histogram;
 pub mod literature;
 pub mod loglog;
 pub mod page;
+pub mod panels;
 pub mod picture;
 pub mod points;
 pub mod raster;

@@ -112,7 +112,11 @@ pub fn signs(text: &str) -> String {
 }
 
 /// A table in its frame; columns after the first `words` hold numbers.
-fn table(words: usize, head: &[&str], rows: impl Iterator<Item = Vec<String>>) -> Markup {
+pub(super) fn table(
+    words: usize,
+    head: &[&str],
+    rows: impl Iterator<Item = Vec<String>>,
+) -> Markup {
     let class = |i: usize| if i < words { "" } else { "number" };
     html! { .table { table {
         thead { tr { @for (i, cell) in head.iter().enumerate() { th class=(class(i)) { (cell) } } } }

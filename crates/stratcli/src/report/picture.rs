@@ -9,7 +9,7 @@ use super::svg::{Rect, Stroke, Svg, Type};
 use stratcore::StudyResult;
 
 /// Grey of a pixel without an exponent because every estimate is exact.
-const EXACT: [u8; 3] = [0xd8; 3];
+pub const EXACT: [u8; 3] = [0xd8; 3];
 /// Grey of a pixel that was not fitted, or not yet studied.
 const MISSING: [u8; 3] = [0xff; 3];
 

@@ -56,8 +56,13 @@ impl Raster {
 
     /// As the address of an image that a page carries in itself.
     pub fn data_uri(&self) -> String {
-        format!("data:image/png;base64,{}", base64(&self.png()))
+        data_uri(&self.png())
     }
+}
+
+/// A PNG file as the address of an image that a page carries in itself.
+pub fn data_uri(png: &[u8]) -> String {
+    format!("data:image/png;base64,{}", base64(png))
 }
 
 /// Base 64 of RFC 4648, section 4.

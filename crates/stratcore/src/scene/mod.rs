@@ -13,6 +13,7 @@ pub use error::SceneError;
 pub use file::load;
 
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 /// Linear RGB.
 pub type Rgb = [f64; 3];
@@ -103,7 +104,8 @@ pub enum Light {
 }
 
 /// What number a study is of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Channel {
     /// Rec. 709 luminance of linear RGB.
     #[default]

@@ -2,6 +2,7 @@
 
 mod discrepancy;
 mod exact;
+mod parallel;
 mod picture;
 mod plan;
 mod result;
@@ -9,16 +10,17 @@ mod spectrum;
 
 pub use discrepancy::{Discrepancies, DiscrepancyCurve, DiscrepancyRow, discrepancies};
 pub use exact::ExactStudy;
+pub use parallel::{collect, for_each, in_order, thread_count, with_threads};
 pub use picture::{Image, render};
 pub use plan::{SamplerChoice, StudyPlan};
-pub use result::{Method, Row, SamplerResult, StudyResult};
+pub use result::{Method, Reading, Row, SamplerResult, StudyResult};
 pub use spectrum::{ErrorPlan, ErrorSpectrum, error_spectra, point_spectrum};
 
 use crate::error::StudyError;
 use crate::integrand::{Integrand, Regularity};
 use crate::rng::StreamKey;
 use crate::sampler::{CountPolicy, PointSet, Scramble};
-use crate::theory::{Basis, Class, Subject, predict};
+use crate::theory::{Basis, Subject, predict};
 use crate::trial::trial_means;
 use crate::variance::{Spread, spread};
 use rayon::prelude::*;
@@ -42,16 +44,6 @@ impl Control<'static> {
     pub fn unwatched() -> Self {
         static NEVER: AtomicBool = AtomicBool::new(false);
         Self { cancel: &NEVER, progress: &|_| {}, clock: None }
-    }
-}
-
-/// Runs `work` with this many threads; `None` for one per core. Results never depend on it.
-pub fn with_threads<R: Send>(threads: Option<usize>, work: impl FnOnce() -> R + Send) -> R {
-    let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
-    match builder.build() {
-        Ok(pool) => pool.install(work),
-        // The system refused new threads: one is enough for the same result.
-        Err(_) => work(),
     }
 }
 
@@ -209,21 +201,9 @@ fn exact_variance(integrand: &dyn Integrand, choice: SamplerChoice, n: u64) -> O
 fn summarise(integrand: &dyn Integrand, choice: SamplerChoice, rows: Vec<Row>) -> SamplerResult {
     let name = choice.sampler.name();
     let dim = integrand.dim();
-    let fit = result::fit_rows(&rows, 0);
-    let exact = rows.iter().all(|row| row.variance_of_mean == 0.0);
-    // A torus shift tears the strata apart: what is known of a sampler holds for it unscrambled.
-    let plain = choice.scramble == Scramble::None;
-    let reads_class = name == "jittered" && plain;
-    let class = match (&fit, exact) {
-        (_, true) => Some(Class::Exact),
-        (Some(fit), _) if reads_class => Some(Class::of_exponent(fit.exponent, dim)),
-        _ => None,
-    };
-    let class_is_sure = exact
-        || reads_class
-            && fit.is_some_and(|fit| {
-                Class::of_exponent(fit.ci95[0], dim) == Class::of_exponent(fit.ci95[1], dim)
-            });
+    let spreads: Vec<_> = rows.iter().map(|row| (row.n_used, row.spread())).collect();
+    let Reading { fit, exact, class, class_is_sure } =
+        Reading::of(name, choice.scramble, dim, &spreads);
     let known = predict(name, choice.scramble, &Subject::of(integrand)).filter(|_| !exact);
     let of_class = || class.filter(|_| class_is_sure)?.predicted_exponent(dim);
     let (predicted, predicted_from) = match known {
@@ -238,7 +218,7 @@ fn summarise(integrand: &dyn Integrand, choice: SamplerChoice, rows: Vec<Row>) -
         name,
         scramble: choice.scramble,
         fit,
-        fit_without_first: result::fit_rows(&rows, 1),
+        fit_without_first: result::fit_spreads(&spreads, 1),
         exact,
         class,
         class_is_sure,

@@ -140,10 +140,46 @@ impl Serialize for Row {
     }
 }
 
-/// The paper's fit through rows with a variance, leaving out the `skip` smallest N. Counts that
-/// were snapped to the same N drew the same points: they are one row.
-pub(super) fn fit_rows(rows: &[Row], skip: usize) -> Option<Fit> {
-    let mut spreads: Vec<_> = rows.iter().map(|row| (row.n_used, row.spread())).collect();
+/// What one sampler's spreads say: their fit, and the class read from it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reading {
+    /// See [`SamplerResult::fit`].
+    pub fit: Option<Fit>,
+    /// See [`SamplerResult::exact`].
+    pub exact: bool,
+    /// See [`SamplerResult::class`].
+    pub class: Option<Class>,
+    /// See [`SamplerResult::class_is_sure`].
+    pub class_is_sure: bool,
+}
+
+impl Reading {
+    /// Reads the spread at each N used, for a sampler by name in `dim` dimensions. A spread that
+    /// is not a number is missing: it is neither fitted nor exact.
+    pub fn of(sampler: &str, scramble: Scramble, dim: usize, spreads: &[(u64, Spread)]) -> Self {
+        let fit = fit_spreads(spreads, 0);
+        let exact = spreads.iter().all(|(_, spread)| spread.variance_of_mean == 0.0);
+        // A torus shift tears the strata apart: what is known of a sampler holds for it
+        // unscrambled.
+        let reads_class = sampler == "jittered" && scramble == Scramble::None;
+        let class = match (&fit, exact) {
+            (_, true) => Some(Class::Exact),
+            (Some(fit), _) if reads_class => Some(Class::of_exponent(fit.exponent, dim)),
+            _ => None,
+        };
+        let class_is_sure = exact
+            || reads_class
+                && fit.is_some_and(|fit| {
+                    Class::of_exponent(fit.ci95[0], dim) == Class::of_exponent(fit.ci95[1], dim)
+                });
+        Self { fit, exact, class, class_is_sure }
+    }
+}
+
+/// The paper's fit through spreads with a variance, leaving out the `skip` smallest N. Counts
+/// that were snapped to the same N drew the same points: they are one row.
+pub(super) fn fit_spreads(spreads: &[(u64, Spread)], skip: usize) -> Option<Fit> {
+    let mut spreads = spreads.to_vec();
     spreads.sort_by_key(|(n, _)| *n);
     spreads.dedup_by_key(|(n, _)| *n);
     fit(spreads.iter().skip(skip).map(|(n, spread)| (*n, spread)))

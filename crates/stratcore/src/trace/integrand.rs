@@ -5,9 +5,11 @@ use crate::beam::PixelBeam;
 use crate::integrand::Integrand;
 use crate::sampler::{PointSet, Sampler};
 use crate::scene::{Channel, PixelFrame};
+use serde::{Deserialize, Serialize};
 
 /// How the samples of a pixel are traced.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Tracer {
     /// The pixel's own list of triangles, gathered once ([`crate::beam`]). Scenes that it does
     /// not serve are traced by rays.

@@ -66,6 +66,11 @@ impl TracedScene {
         Self { tracer, ..self }
     }
 
+    /// How its pixels are sampled.
+    pub fn tracer(&self) -> Tracer {
+        self.tracer
+    }
+
     /// The integral of pixel (x, y): a channel of the radiance over the pixel's square.
     pub fn pixel(&self, pixel: [u32; 2], channel: Channel) -> PixelIntegrand<'_> {
         PixelIntegrand::new(self, pixel, channel, self.tracer)

@@ -1,0 +1,263 @@
+//! `--dry-run`: what a map would take, and how far earlier estimates were off.
+//!
+//! Estimates are kept in `estimates.csv` beside the output. A run that was estimated there adds
+//! the time it took.
+
+use super::Job;
+use crate::cli::Common;
+use crate::commands::Outcome;
+use crate::commands::inspect::MemoryFacts;
+use crate::output;
+use crate::table::{Align, columns, number};
+use anyhow::{Context, Result};
+use serde::Serialize;
+use std::fs::{self, OpenOptions};
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+use stratcore::map::{Header, MapStudy, Shard};
+use stratcore::study::{Control, collect, thread_count};
+
+/// What a map would take.
+#[derive(Serialize)]
+struct Estimate {
+    hash: String,
+    shard: Shard,
+    pixels: u64,
+    tiles: usize,
+    samples: u64,
+    threads: usize,
+    /// Pixels that were studied for the estimate.
+    calibrated_on: usize,
+    seconds: f64,
+    /// Its standard error, from the spread of the pixels' times.
+    std_error: f64,
+    memory_bytes: u64,
+    disk_bytes: u64,
+    /// (estimate - truth) / truth of the runs that followed earlier estimates here.
+    past_errors: Vec<f64>,
+}
+
+/// Measures some pixels and says what all would take.
+pub fn run(job: &Job, common: &Common) -> Result<Outcome> {
+    let tiles = job.tiles();
+    let (times, threads) = (calibrate(job, &tiles)?, thread_count());
+    let pixels = job.pixels(&tiles);
+    let n = times.len() as f64;
+    let mean = times.iter().sum::<f64>() / n;
+    let variance = times.iter().map(|t| (t - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
+    let share = pixels as f64 / threads as f64;
+    let estimate = Estimate {
+        hash: job.identity.hash(),
+        shard: job.shard,
+        pixels,
+        tiles: tiles.len(),
+        samples: job.samples(&tiles),
+        threads,
+        calibrated_on: times.len(),
+        seconds: mean * share,
+        std_error: (variance / n).sqrt() * share,
+        memory_bytes: memory(job, tiles.len(), threads),
+        disk_bytes: disk(job, pixels),
+        past_errors: past(job)?.iter().filter_map(Past::error).collect(),
+    };
+    let key = key(&estimate.hash, job.shard, threads);
+    append(job, &format!("{key},{},{},", estimate.seconds, estimate.std_error))?;
+    if common.json {
+        output::print_json(estimate)?;
+    } else {
+        output::print(&text(&estimate))?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// Seconds of single pixels, for half a second on every thread. Pixels are taken from all over
+/// the tiles: any number of them in a row is spread evenly.
+fn calibrate(job: &Job, tiles: &[usize]) -> Result<Vec<f64>> {
+    const LASTS: Duration = Duration::from_millis(500);
+    const PER_THREAD: u64 = 16;
+    /// The golden ratio's fractional part, as a fraction of 2^64.
+    const STEP: u64 = 0x9e37_79b9_7f4a_7c15;
+    let tiling = job.identity.tiling();
+    let total = job.pixels(tiles);
+    let mut ends = Vec::with_capacity(tiles.len());
+    let mut sum = 0;
+    for &tile in tiles {
+        sum += tiling.tile(tile).n_pixels();
+        ends.push(sum);
+    }
+    let pixel = |i: u64| -> Option<[u32; 2]> {
+        let at = (u128::from(i.wrapping_mul(STEP)) * u128::from(total) >> 64) as u64;
+        let place = ends.partition_point(|end| *end <= at);
+        let region = tiling.tile(*tiles.get(place)?);
+        let within = at - (ends[place] - region.n_pixels());
+        let width = u64::from(region.size()[0]);
+        Some([region.x0 + (within % width) as u32, region.y0 + (within / width) as u32])
+    };
+    let study = MapStudy::new(&job.scene, &job.plan)?;
+    let time = |i: u64| -> Result<Option<f64>> {
+        let Some(pixel) = pixel(i) else { return Ok(None) };
+        let start = Instant::now();
+        study.pixel(pixel, Control::unwatched())?;
+        Ok(Some(start.elapsed().as_secs_f64()))
+    };
+    // What is made once in a process, such as costly point sets, is no part of a pixel's time.
+    time(0)?;
+    let start = Instant::now();
+    let mut times = Vec::new();
+    let mut next = 0;
+    while next < total && (times.is_empty() || start.elapsed() < LASTS) {
+        let end = total.min(next + PER_THREAD * thread_count() as u64);
+        times.extend(collect((next..end).collect(), time)?.into_iter().flatten());
+        next = end;
+    }
+    Ok(times)
+}
+
+/// Bytes of one pixel's spreads.
+fn record_bytes(job: &Job) -> u64 {
+    24 * job.identity.spreads_per_pixel() as u64
+}
+
+fn memory(job: &Job, n_tiles: usize, threads: usize) -> u64 {
+    /// The program, its tables and the overview.
+    const PROGRAM: u64 = 32 << 20;
+    /// Copies of a tile's spreads while its results are made: numbers, readings, bytes, rows.
+    const COPIES: u64 = 6;
+    /// Tiles per thread that wait for their turn.
+    const WAITING: u64 = 4;
+    let MemoryFacts { scene, bvh } = MemoryFacts::of(&job.scene);
+    let tile = record_bytes(job) * u64::from(job.identity.tile_side).pow(2);
+    let places = 40 * n_tiles as u64;
+    (scene + bvh) as u64 + PROGRAM + tile * COPIES * WAITING * threads as u64 + places
+}
+
+/// The tiles and the results that stand beside them, compression left out.
+fn disk(job: &Job, pixels: u64) -> u64 {
+    const FIT_ROW: u64 = 200;
+    const POINT_ROW: u64 = 130;
+    let plan = &job.identity;
+    let (samplers, spreads) = (plan.samplers.len() as u64, plan.spreads_per_pixel() as u64);
+    let tiles = record_bytes(job);
+    let results = match job.output.kind {
+        super::finish::Kind::Tiles => tiles,
+        super::finish::Kind::Picture { points } => {
+            let channels = 3 + 4 * samplers + spreads;
+            4 * channels + FIT_ROW * samplers + if points { POINT_ROW * spreads } else { 0 }
+        }
+    };
+    pixels.saturating_mul(tiles + results)
+}
+
+fn text(estimate: &Estimate) -> String {
+    let Estimate { pixels, tiles, samples, threads, seconds, std_error, .. } = estimate;
+    let bytes = |bytes: u64| match bytes {
+        ..1_000_000_000 => format!("{} MB", number(bytes as f64 * 1e-6, 3)),
+        _ => format!("{} GB", number(bytes as f64 * 1e-9, 3)),
+    };
+    let rows = [
+        ("pixels", format!("{pixels} in {tiles} tiles")),
+        ("samples", number(*samples as f64, 4)),
+        (
+            "time",
+            format!(
+                "{} s ± {} on {threads} threads, from {} pixels",
+                number(*seconds, 3),
+                number(*std_error, 2),
+                estimate.calibrated_on
+            ),
+        ),
+        ("past estimates", past_text(&estimate.past_errors)),
+        ("memory", bytes(estimate.memory_bytes)),
+        ("disk", format!("up to {}", bytes(estimate.disk_bytes))),
+        ("plan", estimate.hash.clone()),
+    ];
+    let rows: Vec<_> = rows.map(|(name, fact)| vec![name.to_owned(), fact]).into();
+    columns(Align::Left, &rows)
+}
+
+fn past_text(errors: &[f64]) -> String {
+    let percent = |x: f64| format!("{:+.0} %", 100.0 * x);
+    let (low, high) =
+        errors.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(*x), b.max(*x)));
+    match errors {
+        [] => "none in this folder".to_owned(),
+        [one] => format!("one in this folder, off by {}", percent(*one)),
+        _ => {
+            format!("{} in this folder, off by {} to {}", errors.len(), percent(low), percent(high))
+        }
+    }
+}
+
+const COLUMNS: &str = "plan,shard,threads,estimated_s,std_error_s,took_s";
+
+/// A line of `estimates.csv`.
+struct Past {
+    key: String,
+    estimated: f64,
+    took: Option<f64>,
+}
+
+impl Past {
+    fn error(&self) -> Option<f64> {
+        self.took.map(|took| self.estimated / took - 1.0)
+    }
+}
+
+fn file(job: &Job) -> PathBuf {
+    job.output.path.with_file_name("estimates.csv")
+}
+
+fn key(hash: &str, shard: Shard, threads: usize) -> String {
+    format!("{hash},{shard},{threads}")
+}
+
+fn past(job: &Job) -> Result<Vec<Past>> {
+    let path = file(job);
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let text =
+        fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    let read = |line: &str| -> Option<Past> {
+        let fields: Vec<_> = line.split(',').collect();
+        let [plan, shard, threads, estimated, _, took] = *fields else { return None };
+        let key = [plan, shard, threads].join(",");
+        Some(Past { key, estimated: estimated.parse().ok()?, took: took.parse().ok() })
+    };
+    Ok(text.lines().filter_map(read).collect())
+}
+
+fn append(job: &Job, line: &str) -> Result<()> {
+    let path = file(job);
+    let write = || -> std::io::Result<()> {
+        let mut file = OpenOptions::new().append(true).create(true).open(&path)?;
+        if file.metadata()?.len() == 0 {
+            writeln!(file, "{COLUMNS}")?;
+        }
+        writeln!(file, "{line}")
+    };
+    write().with_context(|| {
+        format!(
+            "cannot write {}; choose a folder that exists and can be written to",
+            path.display()
+        )
+    })
+}
+
+/// Holds the time that a run took against its estimate, if there is one.
+pub fn judge(job: &Job, header: &Header, took: Duration, common: &Common) -> Result<()> {
+    let key = key(&header.hash, job.shard, thread_count());
+    let Some(past) = past(job)?.into_iter().rfind(|past| past.key == key) else { return Ok(()) };
+    let took = took.as_secs_f64();
+    append(job, &format!("{key},{},,{took}", past.estimated))?;
+    if !common.quiet {
+        output::note(&format!(
+            "took {} s; the estimate was {} s, {:+.0} %",
+            number(took, 3),
+            number(past.estimated, 3),
+            100.0 * (past.estimated / took - 1.0)
+        ));
+    }
+    Ok(())
+}

@@ -1,0 +1,235 @@
+//! The results of a map: one pass over its tiles, in order, in memory that does not grow with
+//! the picture.
+
+use super::csv::{self, Table};
+use super::exr::ExrLayout;
+use super::overview::Overview;
+use super::text;
+use crate::cli::Common;
+use crate::output::{self, AtomicFile};
+use crate::report::PNG_SCALE;
+use anyhow::{Context, Result, anyhow, bail};
+use exr::block::chunk::Chunk;
+use exr::block::writer::ChunksWriter;
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use stratcore::map::{Header, PixelReading, Region, Summary, Tally, TileSet, read_tile};
+use stratcore::study::in_order;
+
+/// What is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Pictures, tables and a summary.
+    Picture {
+        /// With the table of points.
+        points: bool,
+    },
+    /// Tiles to be merged.
+    Tiles,
+}
+
+/// Where a map goes.
+pub struct Output {
+    pub path: PathBuf,
+    pub kind: Kind,
+}
+
+impl Output {
+    /// The kind that the file's name asks for.
+    pub fn of(path: &Path, points: bool) -> Result<Self> {
+        let extension = path.extension().map(|e| e.to_ascii_lowercase());
+        let kind = match extension.as_ref().and_then(|e| e.to_str()) {
+            Some("exr") => Kind::Picture { points },
+            Some("tiles") if points => bail!(
+                "--points: {} holds tiles, not tables; give --points when they are merged",
+                path.display()
+            ),
+            Some("tiles") => Kind::Tiles,
+            _ => bail!(
+                "cannot write a map to {}: name a file that ends in .exr, or in .tiles for tiles \
+                 to be merged",
+                path.display()
+            ),
+        };
+        Ok(Self { path: path.to_owned(), kind })
+    }
+
+    /// The file of finished tiles while the map is made.
+    pub fn part(&self) -> PathBuf {
+        let mut name = self.path.clone().into_os_string();
+        name.push(".part");
+        name.into()
+    }
+
+    /// The file of another ending beside it.
+    pub fn beside(&self, ending: &str) -> PathBuf {
+        self.path.with_extension(ending)
+    }
+
+    /// Whether the results are there already, of this very plan and shard.
+    pub fn is_finished(&self, header: &Header) -> Result<bool> {
+        #[derive(Deserialize)]
+        struct Hash {
+            hash: String,
+        }
+        if !self.path.exists() {
+            return Ok(false);
+        }
+        if self.kind == Kind::Tiles {
+            return Ok(Header::read_file(&self.path)?.as_ref() == Some(header));
+        }
+        let points_are_there = match self.kind {
+            Kind::Picture { points: true } => self.beside("points.csv").exists(),
+            _ => true,
+        };
+        let summary = fs::read(self.beside("json")).unwrap_or_default();
+        let found: Option<Hash> = serde_json::from_slice(&summary).ok();
+        Ok(points_are_there && found.is_some_and(|found| found.hash == header.hash))
+    }
+}
+
+/// What is known of a finished map.
+#[derive(Serialize, Deserialize)]
+pub struct Found {
+    /// Files written, the one asked for first.
+    pub files: Vec<PathBuf>,
+    #[serde(flatten)]
+    pub header: Header,
+    /// Nothing where tiles were written.
+    #[serde(flatten)]
+    pub summary: Option<Summary>,
+}
+
+/// Writes the results.
+pub fn write(set: &TileSet, header: &Header, output: &Output) -> Result<Found> {
+    match output.kind {
+        Kind::Tiles => {
+            let file = AtomicFile::create_locked(&output.path)?;
+            let mut out = BufWriter::new(file.file());
+            header.write_file(set, &mut out, &output.path)?;
+            out.flush().with_context(|| format!("cannot write {}", output.path.display()))?;
+            drop(out);
+            file.commit_written()?;
+            let files = vec![output.path.clone()];
+            Ok(Found { files, header: header.clone(), summary: None })
+        }
+        Kind::Picture { points } => write_picture(set, header, output, points),
+    }
+}
+
+/// Prints what was found.
+pub fn show(found: &Found, common: &Common) -> Result<()> {
+    if common.json { output::print_json(found) } else { output::print(&text::report(found)) }
+}
+
+/// What is made of one tile, by any thread.
+struct Piece {
+    region: Region,
+    readings: Vec<Vec<PixelReading>>,
+    chunk: Chunk,
+    rows: Vec<String>,
+}
+
+fn write_picture(set: &TileSet, header: &Header, output: &Output, points: bool) -> Result<Found> {
+    let plan = set.plan();
+    let layout = ExrLayout::new(plan);
+    let picture = AtomicFile::create_locked(&output.path)?;
+    let mut tables = vec![TableFile::create(output.beside("fits.csv"), Table::Fits)?];
+    if points {
+        tables.push(TableFile::create(output.beside("points.csv"), Table::Points)?);
+    }
+    let mut tally = Tally::new(plan);
+    let mut overview = Overview::new(plan);
+    let comments = serde_json::to_string(&header)?;
+    let mut fault = None;
+    let written = exr::block::write(
+        BufWriter::new(picture.file()),
+        layout.headers(plan, &comments),
+        true,
+        |meta, chunks| {
+            let kinds: Vec<Table> = tables.iter().map(|table| table.kind).collect();
+            let make = |tile: usize| -> Result<(usize, Piece)> {
+                let region = plan.tiling().tile(tile);
+                let readings = read_tile(plan, &set.read(tile)?);
+                let block = layout.block(plan, region, &readings);
+                let chunk = block.compress_to_chunk(&meta.headers).map_err(|e| anyhow!("{e}"))?;
+                let rows =
+                    kinds.iter().map(|kind| csv::rows(*kind, plan, region, &readings)).collect();
+                Ok((tile, Piece { region, readings, chunk, rows }))
+            };
+            let each = |(tile, piece): (usize, Piece)| -> Result<()> {
+                chunks.write_chunk(tile, piece.chunk).map_err(|e| anyhow!("{e}"))?;
+                for (table, rows) in tables.iter_mut().zip(&piece.rows) {
+                    table.out.write_all(rows.as_bytes()).context("cannot write a table")?;
+                }
+                for (pixel, reading) in piece.region.pixels().zip(&piece.readings) {
+                    tally.add(reading);
+                    overview.add(plan, pixel, reading);
+                }
+                Ok(())
+            };
+            if let Err(error) = in_order(0..plan.tiling().n_tiles(), make, each) {
+                fault = Some(error);
+                return Err(exr::error::Error::Aborted);
+            }
+            Ok(())
+        },
+    );
+    if let Some(error) = fault {
+        return Err(error.context(format!("cannot write {}", output.path.display())));
+    }
+    written.with_context(|| format!("cannot write {}", output.path.display()))?;
+    let summary = tally.summary();
+    let drawing = overview.draw(plan, &summary).to_png(PNG_SCALE);
+    let drawing = drawing.map_err(|fault| anyhow!("cannot draw the map: {fault}"))?;
+    // The summary comes last: it says that all the others are there.
+    picture.commit_written()?;
+    let mut files = vec![output.path.clone()];
+    let png = output.beside("png");
+    AtomicFile::create_locked(&png)?.commit(&drawing)?;
+    files.push(png);
+    for table in tables {
+        files.push(table.finish()?);
+    }
+    let json = output.beside("json");
+    files.push(json.clone());
+    let found = Found { files, header: header.clone(), summary: Some(summary) };
+    AtomicFile::create_locked(&json)?.commit(output::json(&found.without_folders())?.as_bytes())?;
+    Ok(found)
+}
+
+impl Found {
+    /// With the files' names alone: what stands beside them.
+    fn without_folders(&self) -> Self {
+        let names = self.files.iter().filter_map(|path| path.file_name().map(PathBuf::from));
+        let Self { header, summary, .. } = self;
+        Self { files: names.collect(), header: header.clone(), summary: summary.clone() }
+    }
+}
+
+/// A table being written.
+struct TableFile {
+    path: PathBuf,
+    kind: Table,
+    file: AtomicFile,
+    out: BufWriter<fs::File>,
+}
+
+impl TableFile {
+    fn create(path: PathBuf, kind: Table) -> Result<Self> {
+        let file = AtomicFile::create_locked(&path)?;
+        let again = file.file().try_clone();
+        let mut out = BufWriter::new(again.context("cannot open a file twice")?);
+        out.write_all(csv::header(kind).as_bytes())
+            .with_context(|| format!("cannot write {}", path.display()))?;
+        Ok(Self { path, kind, file, out })
+    }
+
+    fn finish(mut self) -> Result<PathBuf> {
+        self.out.flush().with_context(|| format!("cannot write {}", self.path.display()))?;
+        self.file.commit_written()?;
+        Ok(self.path)
+    }
+}

@@ -1,0 +1,130 @@
+//! Maps: the study of every pixel of a region, in tiles that can be stored, split and merged.
+//!
+//! ```text
+//! MapPlan + TracedScene → MapStudy → a tile's spreads → TileLog → TileSet → read_tile
+//! ```
+//!
+//! * The unit of work and of storage is a tile: the spreads of its pixels, one per sampler and
+//!   count ([`MapStudy::tile`]). Every interval, fit and class is worked out from them again
+//!   ([`read_tile`]), so a map that was resumed, or merged from shards, is the map of one run.
+//! * [`TileLog`] is the file that finished tiles are added to; [`TileSet`] is any number of such
+//!   files that are read as one.
+//! * [`Shard`] is an even part of the tiles, by expected cost ([`expected_costs`]).
+
+mod cost;
+mod digest;
+mod histogram;
+mod log;
+mod plan;
+mod record_error;
+mod records;
+mod region;
+mod set;
+mod summary;
+
+pub use cost::{Shard, ShardError, expected_costs};
+pub use histogram::Histogram;
+pub use log::TileLog;
+pub use plan::{Identity, MapPlan, SamplerIdentity};
+pub use record_error::{RecordError, RecordFault};
+pub use records::Header;
+pub use region::{Region, RegionError, Tiling};
+pub use set::TileSet;
+pub use summary::{ClassShare, Comparison, Gain, SamplerSummary, Summary, Tally};
+
+use crate::error::StudyError;
+use crate::exact;
+use crate::study::{Control, ExactStudy, Reading, collect, study};
+use crate::trace::TracedScene;
+use crate::variance::Spread;
+
+/// A plan and its scene, ready to be measured pixel by pixel.
+pub struct MapStudy<'a> {
+    scene: &'a TracedScene,
+    plan: &'a MapPlan,
+    /// Where variances are to be computed without trials.
+    exact: Option<ExactStudy<'a>>,
+}
+
+impl<'a> MapStudy<'a> {
+    /// Makes ready what all pixels share.
+    ///
+    /// # Errors
+    /// What [`StudyPlan::counts_used`](crate::StudyPlan::counts_used) refuses.
+    pub fn new(scene: &'a TracedScene, plan: &'a MapPlan) -> Result<Self, StudyError> {
+        let exact = plan.exact.then(|| ExactStudy::new(&plan.study, exact::TOLERANCE));
+        Ok(Self { scene, plan, exact: exact.transpose()? })
+    }
+
+    /// The spreads of one pixel, one per sampler and count, samplers first. All of them are NaN
+    /// where some trial's mean is not finite: one such pixel should not cost the others.
+    ///
+    /// # Errors
+    /// As [`study`], but for `NonFinite`.
+    pub fn pixel(&self, pixel: [u32; 2], control: Control<'_>) -> Result<Vec<Spread>, StudyError> {
+        const MISSING: Spread =
+            Spread { grand_mean: f64::NAN, variance_of_mean: f64::NAN, var_ln: f64::NAN };
+        let plan = &self.plan.study;
+        let integrand = self.scene.pixel(pixel, self.plan.channel);
+        let studied = match &self.exact {
+            Some(exact) => exact.pixel(&integrand, pixel, control),
+            None => study(&integrand, pixel, plan, control),
+        };
+        match studied {
+            Ok(result) if result.complete => {
+                let rows = result.samplers.iter().flat_map(|sampler| &sampler.rows);
+                Ok(rows.map(|row| row.spread()).collect())
+            }
+            Ok(_) => Err(StudyError::Cancelled),
+            Err(StudyError::NonFinite { .. }) => {
+                Ok(vec![MISSING; plan.samplers.len() * plan.counts.len()])
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    /// The spreads of a tile's pixels, row by row: what is stored of it.
+    ///
+    /// # Errors
+    /// As [`MapStudy::pixel`].
+    pub fn tile(&self, tile: Region, control: Control<'_>) -> Result<Vec<Spread>, StudyError> {
+        Ok(collect(tile.pixels().collect(), |pixel| self.pixel(pixel, control))?.concat())
+    }
+}
+
+/// What a map says of one pixel under one sampler.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PixelReading {
+    /// One spread per count.
+    pub spreads: Vec<Spread>,
+    /// Fit and class.
+    pub reading: Reading,
+}
+
+impl PixelReading {
+    /// Whether nothing is known: some trial's mean was not finite.
+    pub fn is_missing(&self) -> bool {
+        self.spreads.iter().any(|spread| spread.variance_of_mean.is_nan())
+    }
+
+    /// Whether its variances were computed without trials.
+    pub fn is_computed(&self) -> bool {
+        self.spreads.iter().all(|spread| spread.var_ln == 0.0)
+    }
+}
+
+/// Works out fits and classes from a tile's spreads: for each pixel, row by row, one reading per
+/// sampler.
+pub fn read_tile(identity: &Identity, spreads: &[Spread]) -> Vec<Vec<PixelReading>> {
+    let n_counts = identity.counts.len();
+    let read_sampler = |(sampler, spreads): (&SamplerIdentity, &[Spread])| {
+        let rows: Vec<_> =
+            sampler.counts_used.iter().copied().zip(spreads.iter().copied()).collect();
+        let reading = Reading::of(&sampler.name, sampler.scramble, identity.dim, &rows);
+        PixelReading { spreads: spreads.to_vec(), reading }
+    };
+    let read_pixel = |spreads: &[Spread]| {
+        identity.samplers.iter().zip(spreads.chunks_exact(n_counts)).map(read_sampler).collect()
+    };
+    spreads.chunks_exact(identity.spreads_per_pixel()).map(read_pixel).collect()
+}

@@ -1,0 +1,125 @@
+//! Files of tiles, read as one.
+
+use super::cost::Shard;
+use super::plan::Identity;
+use super::record_error::{RecordError, RecordFault};
+use super::records::{read_frame, read_header, scan};
+use crate::variance::Spread;
+use std::fs::File;
+use std::io::{self, BufReader, Seek, SeekFrom};
+use std::path::{Path, PathBuf};
+
+/// Where a tile's frame begins: file and byte.
+type Place = (u32, u64);
+
+/// Files of one plan's tiles, read as one.
+#[derive(Debug)]
+pub struct TileSet {
+    plan: Identity,
+    pub(super) files: Vec<PathBuf>,
+    pub(super) places: Vec<Option<Place>>,
+}
+
+impl TileSet {
+    /// Opens the files of shards that make up one map.
+    ///
+    /// # Errors
+    /// [`RecordError`] names the file that is of another plan, damaged, or doubles another; or
+    /// the tiles and shards that are missing.
+    pub fn merge(paths: &[PathBuf]) -> Result<Self, RecordError> {
+        let mut set: Option<Self> = None;
+        let mut shards: Vec<Shard> = Vec::new();
+        for path in paths {
+            let fail = |fault: RecordFault| fault.of(path);
+            let mut file =
+                BufReader::new(File::open(path).map_err(|e| RecordFault::Io("read", e).of(path))?);
+            let header = read_header(&mut file).map_err(fail)?;
+            let set = set.get_or_insert_with(|| Self::empty(header.plan.clone()));
+            let differences = set.plan.differences(&header.plan);
+            if !differences.is_empty() {
+                return Err(fail(RecordFault::ForeignPlan(differences)));
+            }
+            let scan = scan(&mut file, &set.plan).map_err(|e| fail(RecordFault::Io("read", e)))?;
+            if scan.rest > 0 {
+                let (finished, shard) = (scan.frames.len(), header.shard);
+                return Err(fail(RecordFault::Damaged { finished, shard }));
+            }
+            let number = set.files.len() as u32;
+            set.files.push(path.clone());
+            for (tile, at) in scan.frames {
+                if let Some((other, _)) = set.places[tile] {
+                    let other = set.files[other as usize].clone();
+                    return Err(fail(RecordFault::Overlap { tile, other }));
+                }
+                set.places[tile] = Some((number, at));
+            }
+            shards.push(header.shard);
+        }
+        let set = set.ok_or_else(|| RecordFault::Nothing.of(Path::new("merge")))?;
+        set.check_complete(&shards)?;
+        Ok(set)
+    }
+
+    /// No tiles yet.
+    pub(super) fn empty(plan: Identity) -> Self {
+        let places = vec![None; plan.tiling().n_tiles()];
+        Self { plan, files: Vec::new(), places }
+    }
+
+    fn check_complete(&self, shards: &[Shard]) -> Result<(), RecordError> {
+        let mut missing = self.places.iter().enumerate().filter(|(_, place)| place.is_none());
+        let Some((tile, _)) = missing.next() else { return Ok(()) };
+        let of = shards.iter().map(|shard| shard.of).max().unwrap_or(1);
+        let absent: Vec<_> = (1..=of)
+            .map(|index| Shard { index, of })
+            .filter(|shard| !shards.contains(shard))
+            .map(|shard| shard.to_string())
+            .collect();
+        let absent = match absent.as_slice() {
+            [] => "finish the unfinished shards with --resume".to_owned(),
+            [first, _, .., last] if absent.len() > 8 => {
+                format!("add the files of {} shards, {first} to {last}", absent.len())
+            }
+            few => format!("add the files of shards {}", few.join(", ")),
+        };
+        let (missing, total) = (missing.count() + 1, self.places.len());
+        let fault = RecordFault::Gap { missing, total, tile, absent };
+        Err(fault.of(self.files.first().map_or(Path::new("merge"), PathBuf::as_path)))
+    }
+
+    /// The plan that the tiles are of.
+    pub fn plan(&self) -> &Identity {
+        &self.plan
+    }
+
+    /// Which tiles are there, in order.
+    pub fn tiles(&self) -> impl Iterator<Item = usize> + '_ {
+        self.places.iter().enumerate().filter_map(|(tile, place)| place.map(|_| tile))
+    }
+
+    /// Whether the tile is there.
+    pub fn contains(&self, tile: usize) -> bool {
+        self.places.get(tile).is_some_and(Option::is_some)
+    }
+
+    /// The spreads of a tile that is there; nothing for one that is not.
+    ///
+    /// # Errors
+    /// The file has changed since it was opened.
+    pub fn read(&self, tile: usize) -> Result<Vec<Spread>, RecordError> {
+        let Some((number, at)) = self.places.get(tile).copied().flatten() else {
+            return Ok(Vec::new());
+        };
+        let path = &self.files[number as usize];
+        let frame = || -> io::Result<Option<Vec<Spread>>> {
+            let mut file = File::open(path)?;
+            file.seek(SeekFrom::Start(at))?;
+            Ok(read_frame(&mut file, &self.plan)?.map(|(_, spreads)| spreads))
+        };
+        match frame() {
+            Ok(Some(spreads)) => Ok(spreads),
+            Ok(None) => Err(RecordFault::NotTiles.of(path)),
+            Err(error) => Err(RecordFault::Io("read", error).of(path)),
+        }
+    }
+}
