@@ -185,8 +185,9 @@ pub struct StudyArgs {
     /// What to do with an N that a sampler cannot make
     #[arg(long, value_enum, value_name = "POLICY", default_value_t = NPolicy::Error)]
     pub n_policy: NPolicy,
-    /// Exit with 1 unless the exponent (of jittered, else of the last sampler) is p ± tol
-    #[arg(long, value_name = "P:TOL", allow_hyphen_values = true)]
+    /// Exit with 1 unless the exponent is P ± TOL: of the sampler named before it
+    /// (random:1:0.1), else of jittered, else of the last one
+    #[arg(long, value_name = "[SAMPLER:]P:TOL", allow_hyphen_values = true)]
     pub expect: Option<String>,
     /// Draw variance against N to a file that ends in .svg or .png
     #[arg(long, value_name = "FILE")]

@@ -75,9 +75,11 @@ pub fn parameter(text: &str) -> Result<(String, f64)> {
     }
 }
 
-/// `--expect P:TOL`: the exponent a study should find.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// `--expect [SAMPLER:]P:TOL`: the exponent a study should find.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Expectation {
+    /// None for `jittered`, or the last sampler without it.
+    sampler: Option<String>,
     exponent: f64,
     tolerance: f64,
 }
@@ -93,6 +95,8 @@ pub struct Verdict {
     pub tolerance: f64,
     /// The exponent found; none where the variance is zero.
     pub found: Option<f64>,
+    /// Its standard error.
+    pub std_error: Option<f64>,
     /// Whether it was as expected.
     pub holds: bool,
 }
@@ -101,8 +105,8 @@ impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { sampler, exponent, tolerance, .. } = self;
         write!(f, "expected p = {exponent} ± {tolerance} under {sampler}, found ")?;
-        match self.found {
-            Some(p) => write!(f, "p = {p:.4}"),
+        match self.found.zip(self.std_error) {
+            Some((p, error)) => write!(f, "p = {p:.4} ± {error:.4}"),
             None => f.write_str("no exponent"),
         }
     }
@@ -112,26 +116,54 @@ impl FromStr for Expectation {
     type Err = anyhow::Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let [exponent, tolerance] = pair::<f64>(text, ':').with_context(|| {
-            format!("--expect {text}: not an expectation; write P:TOL, such as 1.5:0.1")
-        })?;
+        let parts: Vec<_> = text.rsplitn(3, ':').collect();
+        let number = |i: usize| parts.get(i)?.trim().parse::<f64>().ok();
+        let (Some(tolerance), Some(exponent)) = (number(0), number(1)) else {
+            bail!(
+                "--expect {text}: not an expectation; write P:TOL or SAMPLER:P:TOL, such as 1.5:0.1 \
+                 or random:1:0.1"
+            );
+        };
+        let sampler = parts.get(2).map(|name| name.trim().to_owned());
         ensure!(
             exponent.is_finite() && tolerance.is_finite() && tolerance >= 0.0,
             "--expect {text}: P and TOL must be finite and TOL not negative, such as 1.5:0.1"
         );
-        Ok(Self { exponent, tolerance })
+        Ok(Self { sampler, exponent, tolerance })
     }
 }
 
 impl Expectation {
-    /// Holds the expectation against `jittered`, or against the last sampler without it.
-    pub fn judge(self, result: &StudyResult) -> Option<Verdict> {
-        let Self { exponent, tolerance } = self;
-        let jittered = result.samplers.iter().find(|s| s.name == "jittered");
-        let sampler = jittered.or(result.samplers.last())?;
+    /// Refuses a sampler that the study does not have.
+    pub fn check(&self, samplers: &[String]) -> Result<()> {
+        let Some(name) = &self.sampler else { return Ok(()) };
+        ensure!(
+            samplers.iter().any(|typed| typed.trim() == name),
+            "--expect: {name} is not among the samplers of this study, {}",
+            samplers.join(", ")
+        );
+        Ok(())
+    }
+
+    /// Holds the expectation against the sampler it names, else against `jittered`, else
+    /// against the last one.
+    pub fn judge(&self, samplers: &[String], result: &StudyResult) -> Option<Verdict> {
+        let Self { exponent, tolerance, .. } = *self;
+        let sampler = match &self.sampler {
+            // Results stand in the order of the plan.
+            Some(name) => {
+                let typed = samplers.iter().position(|typed| typed.trim() == name)?;
+                result.samplers.get(typed)?
+            }
+            None => {
+                let jittered = result.samplers.iter().find(|s| s.name == "jittered");
+                jittered.or(result.samplers.last())?
+            }
+        };
         let found = sampler.fit.map(|fit| fit.exponent);
+        let std_error = sampler.fit.map(|fit| fit.std_error);
         let holds = found.is_some_and(|p| (p - exponent).abs() <= tolerance);
-        Some(Verdict { sampler: sampler.name, exponent, tolerance, found, holds })
+        Some(Verdict { sampler: sampler.name, exponent, tolerance, found, std_error, holds })
     }
 }
 
@@ -164,7 +196,9 @@ mod tests {
             assert!(parameter(text).unwrap_err().to_string().contains("name=value"), "{text}");
         }
         let expectation: Expectation = "1.5:0.1".parse().unwrap();
-        assert_eq!(expectation, Expectation { exponent: 1.5, tolerance: 0.1 });
+        assert_eq!(expectation, Expectation { sampler: None, exponent: 1.5, tolerance: 0.1 });
+        let named: Expectation = "file:a.csv:1.5:0.1".parse().unwrap();
+        assert_eq!(named.sampler.as_deref(), Some("file:a.csv"));
         for text in ["", "1.5", "1.5:-0.1", "nan:1", "1.5:inf", "1.5±0.1"] {
             let error = text.parse::<Expectation>().unwrap_err().to_string();
             assert!(error.contains("1.5:0.1"), "{text}");

@@ -15,6 +15,7 @@ pub mod counts;
 pub mod error;
 pub mod fit;
 pub mod integrand;
+pub mod noise;
 pub mod rng;
 pub mod sampler;
 pub mod scene;

@@ -36,6 +36,9 @@ pub fn run(
     common: &Common,
 ) -> Result<Outcome> {
     let expectation = args.expect.as_deref().map(str::parse::<Expectation>).transpose()?;
+    if let Some(expectation) = &expectation {
+        expectation.check(&args.samplers)?;
+    }
     let plan = plan::study_plan(args, common, integrand.dim())?;
     let plot = args.plot.as_deref().map(PlotFile::create).transpose()?;
     let per_trial: u64 = plan
@@ -56,7 +59,7 @@ pub fn run(
         plot.commit(&chart::convergence(title, &result))?;
     }
     let verdict = match expectation {
-        Some(expectation) if result.complete => expectation.judge(&result),
+        Some(expectation) if result.complete => expectation.judge(&args.samplers, &result),
         _ => None,
     };
     if common.json {

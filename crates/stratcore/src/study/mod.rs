@@ -1,20 +1,25 @@
 //! The experiment: pixels × samplers × N × M. The only module that owns threads.
 
+mod live;
 mod picture;
 mod plan;
 mod result;
 
+pub use live::study_live;
 pub use picture::{Image, render};
 pub use plan::{SamplerChoice, StudyPlan};
 pub use result::{Row, SamplerResult, StudyResult};
 
+use result::Fits;
+
 use crate::error::StudyError;
 use crate::integrand::{Integrand, Regularity};
+use crate::noise::{Noise, pooled_noise};
 use crate::rng::StreamKey;
 use crate::sampler::{CountPolicy, PointSet, Scramble};
 use crate::theory::{Class, predicted_exponent};
 use crate::trial::trial_means;
-use crate::variance::{Spread, spread};
+use crate::variance::Moments;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -44,8 +49,16 @@ pub fn with_threads<R: Send>(threads: Option<usize>, work: impl FnOnce() -> R + 
     let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
     match builder.build() {
         Ok(pool) => pool.install(work),
-        // The system refused new threads: one is enough for the same result.
-        Err(_) => work(),
+        // The system refused new threads. Rayon's global pool would ask for them again, and
+        // panic; a pool of the calling thread alone asks for none.
+        Err(_) => {
+            let alone = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread();
+            match alone.build() {
+                Ok(pool) => pool.install(work),
+                // This thread belongs to a pool already: the work runs there.
+                Err(_) => work(),
+            }
+        }
     }
 }
 
@@ -129,57 +142,88 @@ fn study_sampler(
     counts_used: &[u64],
     control: Control<'_>,
 ) -> Result<SamplerResult, StudyError> {
-    let set = |n_samples| {
-        let sampler = choice.sampler.stream_id();
-        PointSet {
-            key: StreamKey { seed: plan.seed, pixel, sampler, n_samples, trial: 0 },
-            dim: integrand.dim(),
-            scramble: choice.scramble,
-            rectangular: plan.count_policy == CountPolicy::Rect,
-        }
-    };
     let mut rows = Vec::with_capacity(counts_used.len());
     for (&n, &n_used) in plan.counts.iter().zip(counts_used) {
-        let set = set(n_used);
-        set.key.check()?;
-        let (means, ns_per_sample) = row_means(integrand, choice, &set, plan.n_trials, control)?;
-        if let Some((trial, &mean)) = (0..).zip(&means).find(|(_, mean)| !mean.is_finite()) {
-            let sampler = choice.sampler.name();
-            return Err(StudyError::NonFinite { pixel, sampler, n: n_used, trial, mean });
-        }
-        let Spread { grand_mean, variance_of_mean, var_ln } = spread(&means);
-        rows.push(Row {
-            n,
-            n_used,
-            grand_mean,
-            variance_of_mean,
-            var_ln,
-            exact_variance: exact_variance(integrand, choice, n_used),
-            strata: set.rectangular.then(|| choice.sampler.strata(n_used, set.dim)).flatten(),
-            ns_per_sample,
-        });
+        let set = point_set(integrand, pixel, plan, choice, n_used)?;
+        let mut means = vec![0.0; plan.n_trials as usize];
+        let ns_per_sample = row_means(integrand, choice, &set, 0, &mut means, control)?;
+        rows.push(Row { ns_per_sample, ..row(integrand, choice, &set, n, &means)? });
     }
-    Ok(summarise(integrand, choice, rows))
+    Ok(summarise(integrand, choice, rows, plan.n_trials))
 }
 
-/// The M trial means of one row, in trial order.
+/// Names the sets of N points of a study; the trial is left open.
+fn point_set(
+    integrand: &dyn Integrand,
+    pixel: [u32; 2],
+    plan: &StudyPlan,
+    choice: SamplerChoice,
+    n_samples: u64,
+) -> Result<PointSet, StudyError> {
+    let sampler = choice.sampler.stream_id();
+    let key = StreamKey { seed: plan.seed, pixel, sampler, n_samples, trial: 0 };
+    key.check()?;
+    Ok(PointSet {
+        key,
+        dim: integrand.dim(),
+        scramble: choice.scramble,
+        rectangular: plan.count_policy == CountPolicy::Rect,
+    })
+}
+
+/// The row that these trial means make, without its time.
+fn row(
+    integrand: &dyn Integrand,
+    choice: SamplerChoice,
+    set: &PointSet,
+    n: u64,
+    means: &[f64],
+) -> Result<Row, StudyError> {
+    let n_used = set.key.n_samples;
+    if let Some((trial, &mean)) = (0..).zip(means).find(|(_, mean)| !mean.is_finite()) {
+        let (pixel, sampler) = (set.key.pixel, choice.sampler.name());
+        return Err(StudyError::NonFinite { pixel, sampler, n: n_used, trial, mean });
+    }
+    let moments = Moments::of(means);
+    if moments.is_out_of_range() {
+        let (pixel, sampler) = (set.key.pixel, choice.sampler.name());
+        let variance = moments.variance;
+        return Err(StudyError::VarianceOutOfRange { pixel, sampler, n: n_used, variance });
+    }
+    Ok(Row {
+        n,
+        n_used,
+        grand_mean: moments.mean,
+        variance_of_mean: moments.variance,
+        skewness: moments.skewness,
+        kurtosis: moments.kurtosis,
+        noise: Noise::None,
+        exact_variance: exact_variance(integrand, choice, n_used),
+        strata: set.rectangular.then(|| choice.sampler.strata(n_used, set.dim)).flatten(),
+        ns_per_sample: None,
+    })
+}
+
+/// Overwrites `means` with those of trials `first_trial ..`, in order; gives the time per
+/// sample where there is a clock.
 fn row_means(
     integrand: &dyn Integrand,
     choice: SamplerChoice,
     set: &PointSet,
-    n_trials: u32,
+    first_trial: u32,
+    means: &mut [f64],
     control: Control<'_>,
-) -> Result<(Vec<f64>, Option<f64>), StudyError> {
+) -> Result<Option<f64>, StudyError> {
     /// Samples per task: some tens of microseconds of work at the least.
     const TASK: u64 = 1 << 14;
     let n = set.key.n_samples;
-    let mut means = vec![0.0; n_trials as usize];
+    let n_trials = means.len();
     let trials_per_task =
-        if control.clock.is_some() { means.len() } else { (TASK / n).max(1) as usize };
+        if control.clock.is_some() { n_trials } else { (TASK / n).max(1) as usize };
     let start = control.clock.map(|clock| clock());
     means.par_chunks_mut(trials_per_task).enumerate().for_each(|(task, chunk)| {
         if !control.cancel.load(Ordering::Relaxed) {
-            let first_trial = (task * trials_per_task) as u32;
+            let first_trial = first_trial + (task * trials_per_task) as u32;
             trial_means(integrand, choice.sampler, set, first_trial, chunk, control.cancel);
             (control.progress)(chunk.len() as u64 * n);
         }
@@ -187,10 +231,10 @@ fn row_means(
     if control.cancel.load(Ordering::Relaxed) {
         return Err(StudyError::Cancelled);
     }
-    let ns_per_sample = control.clock.zip(start).map(|(clock, start)| {
-        (clock() - start).as_nanos() as f64 / (f64::from(n_trials) * n as f64)
-    });
-    Ok((means, ns_per_sample))
+    Ok(control
+        .clock
+        .zip(start)
+        .map(|(clock, start)| (clock() - start).as_nanos() as f64 / (n_trials as f64 * n as f64)))
 }
 
 /// The closed form's variance, for the point sets that [`Integrand::exact_variance`] speaks of.
@@ -200,22 +244,32 @@ fn exact_variance(integrand: &dyn Integrand, choice: SamplerChoice, n: u64) -> O
     plain.then(|| integrand.exact_variance(choice.sampler.name(), n)).flatten()
 }
 
-fn summarise(integrand: &dyn Integrand, choice: SamplerChoice, rows: Vec<Row>) -> SamplerResult {
+/// What the rows of one sampler, each of `trials` trials, say together.
+fn summarise(
+    integrand: &dyn Integrand,
+    choice: SamplerChoice,
+    mut rows: Vec<Row>,
+    trials: u32,
+) -> SamplerResult {
     let name = choice.sampler.name();
     let dim = integrand.dim();
-    let fit = result::fit_rows(&rows, 0);
+    let moments: Vec<_> = rows.iter().map(|row| (row.n_used, row.moments(trials))).collect();
+    for (row, noise) in rows.iter_mut().zip(pooled_noise(&moments)) {
+        row.noise = noise;
+    }
+    let fits = Fits::of(&rows);
     let exact = rows.iter().all(|row| row.variance_of_mean == 0.0);
     // A torus shift tears the strata apart: what is known of a sampler holds for it unscrambled.
     let plain = choice.scramble == Scramble::None;
     let reads_class = name == "jittered" && plain;
-    let class = match (&fit, exact) {
+    let class = match (&fits.paper, exact) {
         (_, true) => Some(Class::Exact),
         (Some(fit), _) if reads_class => Some(Class::of_exponent(fit.exponent, dim)),
         _ => None,
     };
     let class_is_sure = exact
         || reads_class
-            && fit.is_some_and(|fit| {
+            && fits.paper.is_some_and(|fit| {
                 Class::of_exponent(fit.ci95[0], dim) == Class::of_exponent(fit.ci95[1], dim)
             });
     let predicted = match integrand.regularity() {
@@ -227,8 +281,12 @@ fn summarise(integrand: &dyn Integrand, choice: SamplerChoice, rows: Vec<Row>) -
     SamplerResult {
         name,
         scramble: choice.scramble,
-        fit,
-        fit_without_first: result::fit_rows(&rows, 1),
+        fit: fits.weighted,
+        misfit_p_value: fits.weighted.and_then(|fit| fit.p_value()),
+        local_slopes: fits.local_slopes,
+        two_terms: fits.two_terms,
+        paper_fit: fits.paper,
+        paper_fit_without_first: fits.paper_without_first,
         exact,
         class,
         class_is_sure,
