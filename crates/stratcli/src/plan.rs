@@ -1,6 +1,6 @@
 //! From words as typed to the objects that a study works with.
 
-use crate::cli::{Common, NPolicy, StudyArgs};
+use crate::cli::{Common, NPolicy, StudyArgs, TradeArgs};
 use anyhow::{Context, Result, bail, ensure};
 use serde::Serialize;
 use std::fmt;
@@ -8,29 +8,105 @@ use std::str::FromStr;
 use stratcore::StudyResult;
 use stratcore::counts::parse_counts;
 use stratcore::sampler::CountPolicy;
-use stratcore::study::{SamplerChoice, StudyPlan};
+use stratcore::study::{SamplerChoice, StudyPlan, Tightness};
+use stratcore::trade::Target;
 
 /// The plan of a study of an integrand with `dim` dimensions.
 pub fn study_plan(args: &StudyArgs, common: &Common, dim: usize) -> Result<StudyPlan> {
     Ok(StudyPlan {
-        samplers: args
-            .samplers
-            .iter()
-            .map(|name| SamplerChoice::named(name.trim()))
-            .collect::<Result<_, _>>()
-            .context("--samplers")?,
-        counts: match &args.counts {
-            Some(text) => parse_counts(text).context("--counts")?,
-            None => default_counts(dim)?,
-        },
-        count_policy: match args.n_policy {
-            NPolicy::Error => CountPolicy::Error,
-            NPolicy::Snap => CountPolicy::Snap,
-            NPolicy::Rect => CountPolicy::Rect,
-        },
+        samplers: samplers(&args.samplers)?,
+        counts: counts(args.counts.as_deref(), dim)?,
+        count_policy: count_policy(args.n_policy),
+        n_trials: if args.until.is_some() { args.max_trials } else { args.trials },
+        seed: common.seed,
+    })
+}
+
+/// The plan by which a trade measures errors.
+pub fn trade_study_plan(args: &TradeArgs, common: &Common, dim: usize) -> Result<StudyPlan> {
+    Ok(StudyPlan {
+        samplers: samplers(&args.samplers)?,
+        counts: counts(args.counts.as_deref(), dim)?,
+        count_policy: count_policy(args.n_policy),
         n_trials: args.trials,
         seed: common.seed,
     })
+}
+
+fn samplers(names: &[String]) -> Result<Vec<SamplerChoice>> {
+    let named = |name: &String| SamplerChoice::named(name.trim());
+    names.iter().map(named).collect::<Result<_, _>>().context("--samplers")
+}
+
+fn counts(text: Option<&str>, dim: usize) -> Result<Vec<u64>> {
+    match text {
+        Some(text) => parse_counts(text).context("--counts"),
+        None => default_counts(dim),
+    }
+}
+
+fn count_policy(policy: NPolicy) -> CountPolicy {
+    match policy {
+        NPolicy::Error => CountPolicy::Error,
+        NPolicy::Snap => CountPolicy::Snap,
+        NPolicy::Rect => CountPolicy::Rect,
+    }
+}
+
+/// `--until p:W` or `--until var:SHARE`
+pub fn until(text: &str) -> Result<Tightness> {
+    let (of, width) = text.split_once(':').unwrap_or((text, ""));
+    let width = share(width).filter(|w| w.is_finite() && *w > 0.0);
+    match (of.trim(), width) {
+        ("p", Some(width)) => Ok(Tightness::Exponent(width)),
+        ("var", Some(width)) => Ok(Tightness::Variance(width)),
+        _ => bail!("--until {text}: not a width; write p:W or var:SHARE, such as p:0.02 or var:5%"),
+    }
+}
+
+/// A number, or one in percent.
+fn share(text: &str) -> Option<f64> {
+    match text.trim().strip_suffix('%') {
+        Some(percent) => Some(percent.trim().parse::<f64>().ok()? / 100.0),
+        None => text.trim().parse().ok(),
+    }
+}
+
+/// `--targets 1%,0.004`
+pub fn targets(texts: &[String]) -> Result<Vec<Target>> {
+    let target = |text: &String| match share(text).filter(|e| e.is_finite() && *e > 0.0) {
+        Some(share) if text.contains('%') => Ok(Target::Relative(share)),
+        Some(error) => Ok(Target::Absolute(error)),
+        None => bail!(
+            "--targets {text}: not an error; write shares of the mean such as 1%, or errors in \
+             the integrand's unit such as 0.004"
+        ),
+    };
+    texts.iter().map(target).collect()
+}
+
+/// `--eval-cost 1us`, in nanoseconds
+pub fn duration_ns(text: &str) -> Result<f64> {
+    let units = [("ns", 1.0), ("us", 1e3), ("µs", 1e3), ("ms", 1e6), ("s", 1e9)];
+    let read = units.iter().find_map(|(unit, ns)| {
+        let value: f64 = text.trim().strip_suffix(unit)?.trim().parse().ok()?;
+        (value.is_finite() && value >= 0.0).then_some(value * ns)
+    });
+    read.with_context(|| format!("--eval-cost {text}: not a time; write 40ns, 1us, 2ms or 1s"))
+}
+
+/// `--region X0,Y0,X1,Y1`, held against the picture's size
+pub fn region(text: &str, [width, height]: [u32; 2]) -> Result<[u32; 4]> {
+    let numbers: Vec<u32> = text.split(',').filter_map(|word| word.trim().parse().ok()).collect();
+    let [x0, y0, x1, y1] = numbers[..] else {
+        bail!("--region {text}: not a region; write four whole numbers X0,Y0,X1,Y1");
+    };
+    ensure!(
+        x0 < x1 && x1 <= width && y0 < y1 && y1 <= height,
+        "--region {text}: not within the picture, {width} × {height}; X0 < X1 and Y0 < Y1, and \
+         X1,Y1 is outside the region"
+    );
+    Ok([x0, y0, x1, y1])
 }
 
 /// The paper's counts in two dimensions (1, 4, …, 256) and in four (1, 16, …, 10,000). In any

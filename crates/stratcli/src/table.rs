@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use stratcore::StudyResult;
 use stratcore::fit::Fit;
-use stratcore::study::{Row, SamplerResult};
+use stratcore::study::{Row, SamplerResult, Stop, StopReason, Tightness};
 use stratcore::theory::Class;
 
 /// Which side of a column its cells stand at.
@@ -166,6 +166,32 @@ fn reading(sampler: &SamplerResult) -> String {
     }
     if let Some(p) = sampler.predicted {
         let _ = writeln!(text, "  predicted: p = {}", short(p, 5));
+    }
+    text
+}
+
+/// Why a study stopped, after how many trials, and what it would have said after 50.
+pub fn stop(stop: &Stop, result: &StudyResult) -> String {
+    let (what, wanted) = match stop.until {
+        Tightness::Exponent(width) => ("p", width),
+        Tightness::Variance(share) => ("a variance, as a share of it,", share),
+    };
+    let reached = stop.half_width.map_or("none".to_owned(), |width| number(width, 2));
+    let why = match stop.reason {
+        StopReason::Sure => "sure",
+        StopReason::MaxTrials => "not sure: the most trials allowed",
+        StopReason::Cancelled => "interrupted",
+    };
+    let mut text = format!(
+        "\nstopped after {} trials, {why}; widest half interval of {what} {reached}, asked for {}\n",
+        result.trials,
+        short(wanted, 4)
+    );
+    if result.trials > 50 {
+        for early in &stop.after_50_trials {
+            let p = early.fit.map_or("none".to_owned(), |f| with_error(f.exponent, f.std_error));
+            let _ = writeln!(text, "  after 50 trials {} had p = {p}", early.name);
+        }
     }
     text
 }

@@ -22,6 +22,7 @@ pub mod scene;
 pub mod simd;
 pub mod study;
 pub mod theory;
+pub mod trade;
 pub mod trace;
 pub mod trial;
 pub mod variance;

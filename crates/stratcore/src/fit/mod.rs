@@ -8,7 +8,7 @@ mod two_terms;
 mod weighted;
 
 pub use two_terms::{TwoTerms, two_terms};
-pub use weighted::{LocalSlope, WeightedRow, local_slopes, weighted_fit};
+pub use weighted::{LocalSlope, WeightedRow, exponent_of, local_slopes, weighted_fit};
 
 use crate::variance::Spread;
 use serde::Serialize;
@@ -53,11 +53,25 @@ impl Fit {
 
 /// How often a chi-square of `dof` degrees of freedom is above `chi2`; none for 0 degrees, or
 /// where `chi2` is no number.
-pub(crate) fn chi2_p_value(chi2: f64, dof: usize) -> Option<f64> {
+fn chi2_p_value(chi2: f64, dof: usize) -> Option<f64> {
     if chi2.is_nan() {
         return None;
     }
     ChiSquared::new(dof as f64).ok().map(|law| law.sf(chi2.max(0.0)))
+}
+
+/// One over the variance of each row's logarithm, but none heavier than two rows of the median
+/// variance: where a few rows are known far better than the others (two-valued samples at
+/// N = 1), they do not pin a line that is only nearly straight. Rows without noise weigh alike.
+fn weights(variances: Vec<f64>) -> Vec<f64> {
+    let mut sorted = variances.clone();
+    sorted.sort_by(f64::total_cmp);
+    match sorted.get(sorted.len() / 2) {
+        Some(median) if *median > 0.0 => {
+            variances.into_iter().map(|v| v.max(0.5 * median).recip()).collect()
+        }
+        _ => vec![1.0; variances.len()],
+    }
 }
 
 /// A line through points (x, y) with positive weights.
@@ -123,7 +137,8 @@ pub fn paper_fit<'a>(rows: impl IntoIterator<Item = (u64, &'a Spread)>) -> Optio
         rows.iter().map(|(n, s)| ((*n as f64).ln(), s.variance_of_mean.ln())).collect();
     let line = line(&points, &vec![1.0; points.len()])?;
     let std_error = line.std_error(rows.iter().map(|(_, s)| s.var_ln));
-    let squares = points.iter().zip(&rows).map(|(p, (_, s))| line.residual(*p).powi(2) / s.var_ln);
+    let weights = weights(rows.iter().map(|(_, s)| s.var_ln).collect());
+    let squares = points.iter().zip(weights).map(|(p, w)| w * line.residual(*p).powi(2));
     line.fit(&counts, std_error, squares.sum())
 }
 

@@ -1,7 +1,7 @@
 //! Two power laws in one curve: a pixel that is smooth here and cut by an edge there.
 
 use super::weighted::{WeightedRow, weights};
-use super::{Fit, chi2_p_value, line};
+use super::{Fit, line};
 use serde::Serialize;
 
 /// `variance_of_mean ~ a₁ N^-p₁ + a₂ N^-p₂`, both terms positive.
@@ -67,11 +67,6 @@ impl TwoTerms {
     pub fn variance_at(&self, n: f64) -> f64 {
         let term = |i: usize| 10f64.powf(self.log10_constants[i] - self.exponents[i] * n.log10());
         term(0) + term(1)
-    }
-
-    /// How often two terms would leave residuals as large as these by chance, of `points` rows.
-    pub fn p_value(&self, points: usize) -> Option<f64> {
-        chi2_p_value(self.chi2, points.checked_sub(4)?)
     }
 }
 
@@ -199,7 +194,6 @@ mod tests {
         assert!((found.n_equal - 50.0).abs() < 0.5, "{found:?}");
         assert!(found.chi2 < 1e-3 && found.aicc_gain > 100.0);
         assert!((found.variance_at(7.0) / (0.02 * 7f64.powf(-1.5) + 7f64.powf(-2.5)) - 1.0).abs() < 1e-4);
-        assert!(found.p_value(16).unwrap() > 0.99);
     }
 
     #[test]

@@ -22,17 +22,8 @@ impl WeightedRow {
     }
 }
 
-/// One over the variance of each row's logarithm, but none heavier than two rows of the median
-/// variance: where a few rows are known far better than the others (two-valued samples at
-/// N = 1), they do not pin a line that is only nearly straight. Rows without noise weigh alike.
 pub(super) fn weights(rows: &[WeightedRow]) -> Vec<f64> {
-    let mut variances: Vec<f64> = rows.iter().map(|row| row.noise.var_ln()).collect();
-    let each = variances.clone();
-    variances.sort_by(f64::total_cmp);
-    match variances.get(variances.len() / 2) {
-        Some(median) if *median > 0.0 => each.iter().map(|v| v.max(0.5 * median).recip()).collect(),
-        _ => vec![1.0; each.len()],
-    }
+    super::weights(rows.iter().map(|row| row.noise.var_ln()).collect())
 }
 
 /// The generalised least-squares line. Fewer than two different N have no slope.
@@ -48,6 +39,14 @@ pub fn weighted_fit(rows: &[WeightedRow]) -> Option<Fit> {
     let std_error = line.std_error(rows.iter().map(|row| row.noise.var_ln()));
     let chi2 = chi2(&line, &points, &weights, std_error);
     line.fit(&counts, std_error, chi2)
+}
+
+/// The exponent that the fit of `rows` would give to other variances at the same N: what it
+/// estimates when `variances` are the true ones.
+pub fn exponent_of(rows: &[WeightedRow], variances: &[f64]) -> Option<f64> {
+    let points: Vec<_> =
+        rows.iter().zip(variances).map(|(row, v)| ((row.n as f64).ln(), v.ln())).collect();
+    Some(-line(&points, &weights(rows))?.slope)
 }
 
 /// NaN for rows without noise: every residual is then infinitely unlikely, and the number

@@ -4,11 +4,13 @@ mod live;
 mod picture;
 mod plan;
 mod result;
+mod until;
 
 pub use live::study_live;
 pub use picture::{Image, render};
 pub use plan::{SamplerChoice, StudyPlan};
 pub use result::{Row, SamplerResult, StudyResult};
+pub use until::{EarlyFit, Stop, StopReason, Tightness, study_until};
 
 use result::Fits;
 
@@ -153,7 +155,7 @@ fn study_sampler(
 }
 
 /// Names the sets of N points of a study; the trial is left open.
-fn point_set(
+pub(crate) fn point_set(
     integrand: &dyn Integrand,
     pixel: [u32; 2],
     plan: &StudyPlan,

@@ -78,6 +78,13 @@ pub struct SamplerResult {
     pub predicted: Option<f64>,
 }
 
+impl SamplerResult {
+    /// What the weighted fit is made of: the rows with a variance, in the order of N.
+    pub fn weighted_rows(&self) -> Vec<WeightedRow> {
+        weighted_rows(&distinct(&self.rows))
+    }
+}
+
 /// The spread of M trial means at one N.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
@@ -176,22 +183,12 @@ pub(super) struct Fits {
 }
 
 impl Fits {
-    /// Counts that were snapped to the same N drew the same points: they are one row.
+    /// Of the rows of one sampler.
     pub fn of(rows: &[Row]) -> Self {
-        let mut rows: Vec<&Row> = rows.iter().collect();
-        rows.sort_by_key(|row| row.n_used);
-        rows.dedup_by_key(|row| row.n_used);
+        let rows = distinct(rows);
         let spreads: Vec<_> = rows.iter().map(|row| (row.n_used, row.spread())).collect();
         let paper = |skip| paper_fit(spreads.iter().skip(skip).map(|(n, spread)| (*n, spread)));
-        let weighted_rows: Vec<_> = rows
-            .iter()
-            .filter(|row| row.variance_of_mean > 0.0)
-            .map(|row| WeightedRow {
-                n: row.n_used,
-                variance: row.variance_of_mean,
-                noise: row.noise,
-            })
-            .collect();
+        let weighted_rows = weighted_rows(&rows);
         let weighted = weighted_fit(&weighted_rows);
         Self {
             weighted,
@@ -201,4 +198,20 @@ impl Fits {
             paper_without_first: paper(1),
         }
     }
+}
+
+/// In the order of N. Counts that were snapped to the same N drew the same points: they are
+/// one row.
+fn distinct(rows: &[Row]) -> Vec<&Row> {
+    let mut rows: Vec<&Row> = rows.iter().collect();
+    rows.sort_by_key(|row| row.n_used);
+    rows.dedup_by_key(|row| row.n_used);
+    rows
+}
+
+fn weighted_rows(rows: &[&Row]) -> Vec<WeightedRow> {
+    let varying = rows.iter().filter(|row| row.variance_of_mean > 0.0);
+    let row =
+        |row: &&Row| WeightedRow { n: row.n_used, variance: row.variance_of_mean, noise: row.noise };
+    varying.map(row).collect()
 }
