@@ -6,6 +6,7 @@ mod merge;
 mod points;
 mod spectrum;
 mod study;
+mod trade;
 
 pub use discrepancy::DiscrepancyArgs;
 pub use map::MapArgs;
@@ -13,6 +14,7 @@ pub use merge::MergeArgs;
 pub use points::{PointFormat, PointsArgs};
 pub use spectrum::SpectrumArgs;
 pub use study::StudyFileArgs;
+pub use trade::TradeArgs;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -74,6 +76,8 @@ pub enum Command {
     Merge(MergeArgs),
     /// Maps of many scenes under many samplers, and a report that compares them
     Study(StudyFileArgs),
+    /// What error costs how much time: which sampler, how many samples, how long
+    Trade(TradeArgs),
     /// Names that can be typed, each with one line of help
     List(ListArgs),
     /// A completion script for a shell
@@ -147,7 +151,7 @@ pub struct PixelArgs {
     pub tracer: TracerChoice,
     /// Compute random and jittered exactly, without trials, where the pixel's visible polygons
     /// can be resolved; other samplers and pixels are measured, and the reason is said
-    #[arg(long)]
+    #[arg(long, conflicts_with = "until")]
     pub exact: bool,
     #[command(flatten)]
     pub study: StudyArgs,
@@ -235,15 +239,23 @@ pub struct ProtocolArgs {
 pub struct StudyArgs {
     #[command(flatten)]
     pub protocol: ProtocolArgs,
-    /// Exit with 1 unless the exponent (of jittered, else of the last sampler) is p ± tol
-    #[arg(long, value_name = "P:TOL", allow_hyphen_values = true)]
+    /// Exit with 1 unless the exponent is P ± TOL: of the sampler named before it
+    /// (random:1:0.1), else of jittered, else of the last one
+    #[arg(long, value_name = "[SAMPLER:]P:TOL", allow_hyphen_values = true)]
     pub expect: Option<String>,
     /// Draw variance against N to a file that ends in .svg or .png
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// Measure the time per sample; rows then run one at a time, on one thread
-    #[arg(long)]
+    #[arg(long, conflicts_with = "until")]
     pub timing: bool,
+    /// Add trials until every 95 % interval is p ± W (p:W, such as p:0.02) or every variance is
+    /// known to a share (var:5%)
+    #[arg(long, value_name = "p:W|var:SHARE", conflicts_with = "trials")]
+    pub until: Option<String>,
+    /// Stop at so many trials even if not sure
+    #[arg(long, value_name = "M", default_value_t = 100_000, requires = "until")]
+    pub max_trials: u32,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

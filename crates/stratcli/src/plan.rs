@@ -1,6 +1,6 @@
 //! From words as typed to the objects that a study works with.
 
-use crate::cli::{Common, NPolicy, ProtocolArgs, StudiedChannel, TracerChoice};
+use crate::cli::{Common, NPolicy, ProtocolArgs, StudiedChannel, TracerChoice, TradeArgs};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use serde::Serialize;
 use std::fmt;
@@ -8,8 +8,9 @@ use std::str::FromStr;
 use stratcore::counts::parse_counts;
 use stratcore::sampler::{CountPolicy, Scramble, count_used};
 use stratcore::scene::Channel;
-use stratcore::study::{SamplerChoice, StudyPlan};
+use stratcore::study::{SamplerChoice, StudyPlan, Tightness};
 use stratcore::trace::Tracer;
+use stratcore::trade::Target;
 use stratcore::{StudyError, StudyResult};
 
 /// The plan of a study of an integrand with `dim` dimensions.
@@ -17,15 +18,37 @@ pub fn study_plan(args: &ProtocolArgs, common: &Common, dim: usize) -> Result<St
     let samplers = samplers(&args.samplers, None)?;
     let count_policy = args.n_policy.into();
     Ok(StudyPlan {
-        counts: match &args.counts {
-            Some(text) => parse_counts(text).context("--counts")?,
-            None => common_counts(default_counts(dim)?, &samplers, dim, count_policy)?,
-        },
+        counts: counts(args.counts.as_deref(), &samplers, dim, count_policy)?,
         samplers,
         count_policy,
         n_trials: args.trials,
         seed: common.seed,
     })
+}
+
+/// The plan by which a trade measures errors.
+pub fn trade_study_plan(args: &TradeArgs, common: &Common, dim: usize) -> Result<StudyPlan> {
+    let samplers = samplers(&args.samplers, None)?;
+    let count_policy = args.n_policy.into();
+    Ok(StudyPlan {
+        counts: counts(args.counts.as_deref(), &samplers, dim, count_policy)?,
+        samplers,
+        count_policy,
+        n_trials: args.trials,
+        seed: common.seed,
+    })
+}
+
+fn counts(
+    text: Option<&str>,
+    samplers: &[SamplerChoice],
+    dim: usize,
+    policy: CountPolicy,
+) -> Result<Vec<u64>> {
+    match text {
+        Some(text) => parse_counts(text).context("--counts"),
+        None => common_counts(default_counts(dim)?, samplers, dim, policy),
+    }
 }
 
 impl From<NPolicy> for CountPolicy {
@@ -61,6 +84,48 @@ pub fn about_spp(error: StudyError) -> anyhow::Error {
         }
         other => other.into(),
     }
+}
+
+/// `--until p:W` or `--until var:SHARE`
+pub fn until(text: &str) -> Result<Tightness> {
+    let (of, width) = text.split_once(':').unwrap_or((text, ""));
+    let width = share(width).filter(|w| w.is_finite() && *w > 0.0);
+    match (of.trim(), width) {
+        ("p", Some(width)) => Ok(Tightness::Exponent(width)),
+        ("var", Some(width)) => Ok(Tightness::Variance(width)),
+        _ => bail!("--until {text}: not a width; write p:W or var:SHARE, such as p:0.02 or var:5%"),
+    }
+}
+
+/// A number, or one in percent.
+fn share(text: &str) -> Option<f64> {
+    match text.trim().strip_suffix('%') {
+        Some(percent) => Some(percent.trim().parse::<f64>().ok()? / 100.0),
+        None => text.trim().parse().ok(),
+    }
+}
+
+/// `--targets 1%,0.004`
+pub fn targets(texts: &[String]) -> Result<Vec<Target>> {
+    let target = |text: &String| match share(text).filter(|e| e.is_finite() && *e > 0.0) {
+        Some(share) if text.contains('%') => Ok(Target::Relative(share)),
+        Some(error) => Ok(Target::Absolute(error)),
+        None => bail!(
+            "--targets {text}: not an error; write shares of the mean such as 1%, or errors in \
+             the integrand's unit such as 0.004"
+        ),
+    };
+    texts.iter().map(target).collect()
+}
+
+/// `--eval-cost 1us`, in nanoseconds
+pub fn duration_ns(text: &str) -> Result<f64> {
+    let units = [("ns", 1.0), ("us", 1e3), ("µs", 1e3), ("ms", 1e6), ("s", 1e9)];
+    let read = units.iter().find_map(|(unit, ns)| {
+        let value: f64 = text.trim().strip_suffix(unit)?.trim().parse().ok()?;
+        (value.is_finite() && value >= 0.0).then_some(value * ns)
+    });
+    read.with_context(|| format!("--eval-cost {text}: not a time; write 40ns, 1us, 2ms or 1s"))
 }
 
 /// The paper's counts in two dimensions (1, 4, …, 256) and in four (1, 16, …, 10,000). In any
@@ -157,9 +222,11 @@ pub fn parameter(text: &str) -> Result<(String, f64)> {
     }
 }
 
-/// `--expect P:TOL`: the exponent a study should find.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// `--expect [SAMPLER:]P:TOL`: the exponent a study should find.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Expectation {
+    /// None for `jittered`, or the last sampler without it.
+    sampler: Option<String>,
     exponent: f64,
     tolerance: f64,
 }
@@ -175,6 +242,8 @@ pub struct Verdict {
     pub tolerance: f64,
     /// The exponent found; none where the variance is zero.
     pub found: Option<f64>,
+    /// Its standard error.
+    pub std_error: Option<f64>,
     /// Whether it was as expected.
     pub holds: bool,
 }
@@ -183,8 +252,8 @@ impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { sampler, exponent, tolerance, .. } = self;
         write!(f, "expected p = {exponent} ± {tolerance} under {sampler}, found ")?;
-        match self.found {
-            Some(p) => write!(f, "p = {p:.4}"),
+        match self.found.zip(self.std_error) {
+            Some((p, error)) => write!(f, "p = {p:.4} ± {error:.4}"),
             None => f.write_str("no exponent"),
         }
     }
@@ -194,26 +263,54 @@ impl FromStr for Expectation {
     type Err = anyhow::Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let [exponent, tolerance] = pair::<f64>(text, ':').with_context(|| {
-            format!("--expect {text}: not an expectation; write P:TOL, such as 1.5:0.1")
-        })?;
+        let parts: Vec<_> = text.rsplitn(3, ':').collect();
+        let number = |i: usize| parts.get(i)?.trim().parse::<f64>().ok();
+        let (Some(tolerance), Some(exponent)) = (number(0), number(1)) else {
+            bail!(
+                "--expect {text}: not an expectation; write P:TOL or SAMPLER:P:TOL, such as 1.5:0.1 \
+                 or random:1:0.1"
+            );
+        };
+        let sampler = parts.get(2).map(|name| name.trim().to_owned());
         ensure!(
             exponent.is_finite() && tolerance.is_finite() && tolerance >= 0.0,
             "--expect {text}: P and TOL must be finite and TOL not negative, such as 1.5:0.1"
         );
-        Ok(Self { exponent, tolerance })
+        Ok(Self { sampler, exponent, tolerance })
     }
 }
 
 impl Expectation {
-    /// Holds the expectation against `jittered`, or against the last sampler without it.
-    pub fn judge(self, result: &StudyResult) -> Option<Verdict> {
-        let Self { exponent, tolerance } = self;
-        let jittered = result.samplers.iter().find(|s| s.name == "jittered");
-        let sampler = jittered.or(result.samplers.last())?;
+    /// Refuses a sampler that the study does not have.
+    pub fn check(&self, samplers: &[String]) -> Result<()> {
+        let Some(name) = &self.sampler else { return Ok(()) };
+        ensure!(
+            samplers.iter().any(|typed| typed.trim() == name),
+            "--expect: {name} is not among the samplers of this study, {}",
+            samplers.join(", ")
+        );
+        Ok(())
+    }
+
+    /// Holds the expectation against the sampler it names, else against `jittered`, else
+    /// against the last one.
+    pub fn judge(&self, samplers: &[String], result: &StudyResult) -> Option<Verdict> {
+        let Self { exponent, tolerance, .. } = *self;
+        let sampler = match &self.sampler {
+            // Results stand in the order of the plan.
+            Some(name) => {
+                let typed = samplers.iter().position(|typed| typed.trim() == name)?;
+                result.samplers.get(typed)?
+            }
+            None => {
+                let jittered = result.samplers.iter().find(|s| s.name == "jittered");
+                jittered.or(result.samplers.last())?
+            }
+        };
         let found = sampler.fit.map(|fit| fit.exponent);
+        let std_error = sampler.fit.map(|fit| fit.std_error);
         let holds = found.is_some_and(|p| (p - exponent).abs() <= tolerance);
-        Some(Verdict { sampler: sampler.name, exponent, tolerance, found, holds })
+        Some(Verdict { sampler: sampler.name, exponent, tolerance, found, std_error, holds })
     }
 }
 
@@ -285,7 +382,9 @@ mod tests {
             assert!(axes(text, 3).unwrap_err().to_string().contains("from 0 to 2"), "{text}");
         }
         let expectation: Expectation = "1.5:0.1".parse().unwrap();
-        assert_eq!(expectation, Expectation { exponent: 1.5, tolerance: 0.1 });
+        assert_eq!(expectation, Expectation { sampler: None, exponent: 1.5, tolerance: 0.1 });
+        let named: Expectation = "file:a.csv:1.5:0.1".parse().unwrap();
+        assert_eq!(named.sampler.as_deref(), Some("file:a.csv"));
         for text in ["", "1.5", "1.5:-0.1", "nan:1", "1.5:inf", "1.5±0.1"] {
             let error = text.parse::<Expectation>().unwrap_err().to_string();
             assert!(error.contains("1.5:0.1"), "{text}");

@@ -19,6 +19,7 @@ pub mod fit;
 pub mod integrand;
 pub mod literature;
 pub mod map;
+pub mod noise;
 pub mod rng;
 pub mod sampler;
 pub mod scene;
@@ -27,6 +28,7 @@ pub mod spectrum;
 pub mod study;
 pub mod theory;
 pub mod trace;
+pub mod trade;
 pub mod trial;
 pub mod variance;
 

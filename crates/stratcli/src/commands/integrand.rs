@@ -7,7 +7,7 @@ use anyhow::Result;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use stratcore::integrand::{self, CATALOGUE};
-use stratcore::study::{Control, study};
+use stratcore::study::Control;
 
 #[derive(Serialize)]
 struct Subject<'a> {
@@ -32,6 +32,8 @@ pub fn run(args: &IntegrandArgs, common: &Common) -> Result<Outcome> {
         format!("{}, {}", args.name, shown.join(", "))
     };
     let subject = Subject { integrand: &args.name, params };
-    let by = |plan: &_, control: Control<'_>| study(&*integrand, [0, 0], plan, control);
+    let by = |plan: &_, until, control: Control<'_>| {
+        measure::by_trials(&*integrand, [0, 0], plan, until, control)
+    };
     measure::run(subject, &title, integrand.dim(), &by, &args.study, common)
 }

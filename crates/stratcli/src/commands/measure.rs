@@ -10,8 +10,9 @@ use crate::table;
 use anyhow::Result;
 use serde::Serialize;
 use std::time::Instant;
+use stratcore::integrand::Integrand;
 use stratcore::sampler::CountPolicy;
-use stratcore::study::Control;
+use stratcore::study::{Control, Stop, StopReason, Tightness, study, study_until};
 use stratcore::{StudyError, StudyPlan, StudyResult};
 
 /// A study as JSON.
@@ -23,6 +24,26 @@ struct StudyDocument<'a, S> {
     #[serde(flatten)]
     result: &'a StudyResult,
     expect: Option<&'a Verdict>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stop: Option<&'a Stop>,
+}
+
+/// A result, and how it was stopped where that was asked for.
+pub type Measured = Result<(StudyResult, Option<Stop>), StudyError>;
+
+/// By a fixed number of trials, or by as many as it takes.
+pub fn by_trials(
+    integrand: &dyn Integrand,
+    pixel: [u32; 2],
+    plan: &StudyPlan,
+    until: Option<Tightness>,
+    control: Control<'_>,
+) -> Measured {
+    let Some(until) = until else {
+        return Ok((study(integrand, pixel, plan, control)?, None));
+    };
+    let (result, stop) = study_until(integrand, pixel, plan, until, control, &mut |_| {})?;
+    Ok((result, Some(stop)))
 }
 
 /// Studies an integrand of `dim` dimensions by `measure`. `subject` names it in JSON and `title`
@@ -31,12 +52,18 @@ pub fn run(
     subject: impl Serialize,
     title: &str,
     dim: usize,
-    measure: &dyn Fn(&StudyPlan, Control<'_>) -> Result<StudyResult, StudyError>,
+    measure: &dyn Fn(&StudyPlan, Option<Tightness>, Control<'_>) -> Measured,
     args: &StudyArgs,
     common: &Common,
 ) -> Result<Outcome> {
     let expectation = args.expect.as_deref().map(str::parse::<Expectation>).transpose()?;
-    let plan = plan::study_plan(&args.protocol, common, dim)?;
+    if let Some(expectation) = &expectation {
+        expectation.check(&args.protocol.samplers)?;
+    }
+    let until = args.until.as_deref().map(plan::until).transpose()?;
+    let fixed = plan::study_plan(&args.protocol, common, dim)?;
+    let n_trials = if until.is_some() { args.max_trials } else { fixed.n_trials };
+    let plan = StudyPlan { n_trials, ..fixed };
     let plot = args.plot.as_deref().map(PlotFile::create).transpose()?;
     let per_trial: u64 =
         plan.counts_used(dim)?.iter().flatten().fold(0, |sum, n| sum.saturating_add(*n));
@@ -46,14 +73,14 @@ pub fn run(
     let clock = || start.elapsed();
     let control =
         Control { clock: if args.timing { Some(&clock) } else { None }, ..progress.control() };
-    let result = measure(&plan, control)?;
+    let (result, stop) = measure(&plan, until, control)?;
     drop(progress);
 
     if let Some(plot) = plot {
         plot.commit(&chart::convergence(title, &result))?;
     }
     let verdict = match expectation {
-        Some(expectation) if result.complete => expectation.judge(&result),
+        Some(expectation) if result.complete => expectation.judge(&args.protocol.samplers, &result),
         _ => None,
     };
     if common.json {
@@ -62,9 +89,15 @@ pub fn run(
             n_policy: plan.count_policy,
             result: &result,
             expect: verdict.as_ref(),
+            stop: stop.as_ref(),
         })?;
     } else {
-        output::print(&table::study(title, &result))?;
+        let stopped = stop.as_ref().map_or(String::new(), |stop| table::stop(stop, &result));
+        output::print(&(table::study(title, &result) + &stopped))?;
+    }
+    if stop.is_some_and(|stop| stop.reason == StopReason::Cancelled) {
+        output::note(&format!("interrupted: {} trials were finished and kept", result.trials));
+        return Ok(Outcome::Interrupted);
     }
     if !result.complete {
         let (kept, planned) = (result.samplers.len(), plan.samplers.len());

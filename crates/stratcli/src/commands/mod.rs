@@ -14,6 +14,7 @@ mod render;
 mod reproduce;
 mod spectrum;
 mod study;
+mod trade;
 
 use crate::cli::{Cli, Command, Common};
 use crate::output;
@@ -59,6 +60,7 @@ pub fn run(cli: &Cli) -> Result<Outcome> {
         Command::Map(args) => map::run(args, common),
         Command::Merge(args) => merge::run(args, common),
         Command::Study(args) => study::run(args, common),
+        Command::Trade(args) => trade::run(args, common),
         Command::List(args) => list::run(args, common),
         Command::Completions(args) => completions::run(args, common),
     })

@@ -7,7 +7,7 @@ use anyhow::{Result, ensure};
 use serde::Serialize;
 use stratcore::exact::TOLERANCE;
 use stratcore::integrand::Integrand;
-use stratcore::study::{Control, ExactStudy, study};
+use stratcore::study::{Control, ExactStudy};
 use stratcore::trace::TracedScene;
 
 #[derive(Serialize)]
@@ -36,9 +36,9 @@ pub fn run(args: &PixelArgs, common: &Common) -> Result<Outcome> {
     let title = format!("{name}, pixel {},{}, {channel_name}", pixel[0], pixel[1]);
     let subject = Subject { scene: &name, channel: channel_name };
     let integrand = traced.pixel(pixel, channel);
-    let by = |plan: &_, control: Control<'_>| match args.exact {
-        true => ExactStudy::new(plan, TOLERANCE)?.pixel(&integrand, pixel, control),
-        false => study(&integrand, pixel, plan, control),
+    let by = |plan: &_, until, control: Control<'_>| match args.exact {
+        true => Ok((ExactStudy::new(plan, TOLERANCE)?.pixel(&integrand, pixel, control)?, None)),
+        false => measure::by_trials(&integrand, pixel, plan, until, control),
     };
     measure::run(subject, &title, integrand.dim(), &by, &args.study, common)
 }

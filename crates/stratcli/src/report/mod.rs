@@ -8,6 +8,7 @@ pub mod gain;
 pub mod histogram;
 pub mod literature;
 pub mod loglog;
+pub mod needed;
 pub mod page;
 pub mod panels;
 pub mod picture;
@@ -17,6 +18,7 @@ pub mod sides;
 pub mod spectrum;
 pub mod summary;
 pub mod svg;
+pub mod trade;
 
 use crate::output::AtomicFile;
 use anyhow::{Result, anyhow, bail};

@@ -57,7 +57,7 @@ mod tests {
     use super::super::SquareCut;
     use super::super::test_points::{centred_grid, jittered, random};
     use super::*;
-    use crate::variance::spread;
+    use crate::variance::Moments;
 
     /// Lines drawn by their measure, and the difference at each: a mean with its error.
     fn monte_carlo(points: &[f64], lines: u32) -> [f64; 2] {
@@ -76,11 +76,11 @@ mod tests {
                 (inside as f64 / n - area).powi(2)
             })
             .collect();
-        let spread = spread(&misjudged);
+        let spread = Moments::of(&misjudged);
         // The strip's measure is √2 π, that of lines that meet the square 4.
         let scale = 2f64.sqrt() * std::f64::consts::PI / 4.0;
-        let std_error = (spread.variance_of_mean / f64::from(lines)).sqrt();
-        [spread.grand_mean * scale, std_error * scale]
+        let std_error = (spread.variance / f64::from(lines)).sqrt();
+        [spread.mean * scale, std_error * scale]
     }
 
     /// Five standard errors: a false alarm in 10^6 runs of other seeds.
@@ -100,10 +100,10 @@ mod tests {
         for k in [1usize, 2, 5, 12] {
             let n = (k * k) as f64;
             let check = |values: Vec<f64>, expected: f64| {
-                let spread = spread(&values);
-                let std_error = (spread.variance_of_mean / values.len() as f64).sqrt();
-                let off = (spread.grand_mean - expected) / std_error;
-                assert!(off.abs() < 5.0, "{n}: {} is {off} errors off", spread.grand_mean);
+                let spread = Moments::of(&values);
+                let std_error = (spread.variance / values.len() as f64).sqrt();
+                let off = (spread.mean - expected) / std_error;
+                assert!(off.abs() < 5.0, "{n}: {} is {off} errors off", spread.mean);
             };
             let c = mean_distance() / 4.0;
             check((0..2000).map(|t| edge_l2_sq(&random(k * k, 2, t))).collect(), c / n);

@@ -72,7 +72,7 @@ fn mean_square(
 mod tests {
     use super::super::test_points::random;
     use super::*;
-    use crate::variance::spread;
+    use crate::variance::Moments;
 
     /// The discrepancies with ∫ k(x, x) dx and ∫∫ k on one axis.
     const KNOWN: [(fn(&[f64], usize) -> f64, f64, f64); 4] = [
@@ -91,10 +91,10 @@ mod tests {
                     (0..3000).map(|t| discrepancy_sq(&random(n, dim, t), dim)).collect();
                 let d = dim as i32;
                 let expected = (f64::powi(diagonal, d) - f64::powi(mean, d)) / n as f64;
-                let spread = spread(&values);
-                let std_error = (spread.variance_of_mean / 3000.0).sqrt();
+                let spread = Moments::of(&values);
+                let std_error = (spread.variance / 3000.0).sqrt();
                 // Wrap-around boxes see one point as they see any other.
-                let off = (spread.grand_mean - expected).abs();
+                let off = (spread.mean - expected).abs();
                 assert!(off < 5.0 * std_error + 1e-14, "{i} {n} {dim}: {off} ± {std_error}");
             }
         }

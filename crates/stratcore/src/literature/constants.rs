@@ -269,13 +269,13 @@ fn naive_error(lab: &mut Lab<'_>) -> Outcome {
             let factor = within / (n - 1.0) / s2;
             let exact = f.exact_variance("jittered", row.n_used).unwrap_or(f64::NAN);
             let expected = (sigma - exact) / ((n - 1.0) * exact);
-            let std_error = row.var_ln.sqrt() * factor / expected;
+            let std_error = row.var_ln().sqrt() * factor / expected;
             checks.push(Check {
                 at: format!("N = {n}, {expected:.1}-fold"),
                 ratio: factor / expected,
                 std_error,
             });
-            let half = 1.96 * row.var_ln.sqrt() * factor;
+            let half = 1.96 * row.var_ln().sqrt() * factor;
             points.push([n, factor, factor - half, factor + half]);
         }
         let largest = points.last().map_or(f64::NAN, |p| p[1]);

@@ -291,7 +291,7 @@ pub(super) fn ratios(rows: &[Row], expected: impl Fn(u64) -> f64) -> Vec<Check> 
                     let ratio = if s2 == 0.0 { 1.0 } else { f64::INFINITY };
                     Check { at, ratio, std_error: 0.0 }
                 }
-                _ => Check { at, ratio: s2 / exact, std_error: row.var_ln.sqrt() },
+                _ => Check { at, ratio: s2 / exact, std_error: row.var_ln().sqrt() },
             }
         })
         .collect()

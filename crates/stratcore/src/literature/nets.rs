@@ -156,7 +156,7 @@ fn against(
     let [others] = lab.studies([f], b, counts)?;
     let check = |(row, other): (&Row, &Row)| {
         let ratio = row.variance_of_mean / other.variance_of_mean;
-        let std_error = ratio * (row.var_ln + other.var_ln).sqrt();
+        let std_error = ratio * (row.var_ln() + other.var_ln()).sqrt();
         Check { at: format!("N = {}", row.n_used), ratio, std_error }
     };
     Ok(rows.iter().zip(&others).map(check).collect())
@@ -228,7 +228,7 @@ fn dropped_point(lab: &mut Lab<'_>) -> Outcome {
         let [whole] = lab.studies([&*f], "sobol+owen", &counts)?;
         let penalties = result.rows.iter().zip(&whole).map(|(without, with)| {
             let ratio = without.variance_of_mean / with.variance_of_mean;
-            (with.n_used, ratio, without.var_ln + with.var_ln)
+            (with.n_used, ratio, without.var_ln() + with.var_ln())
         });
         let fit = power_law(penalties);
         let row = exponent_row(&format!("{name}: variance / with the point"), fit.as_ref(), -1.0);

@@ -157,7 +157,7 @@ fn power(
     let [a, b] = lab.studies([&cosine, &sine], sampler, &[n])?;
     let scaled = |row: &crate::study::Row| {
         let power = n as f64 * row.variance_of_mean;
-        [power, power * power * row.var_ln]
+        [power, power * power * row.var_ln()]
     };
     let ([p, v], [q, w]) = (scaled(&a[0]), scaled(&b[0]));
     Ok([p + q, (v + w).sqrt()])

@@ -3,7 +3,7 @@
 use super::record_error::{RecordError, RecordFault};
 use super::records::{Header, frame_bytes, header_bytes, read_header, scan};
 use super::set::TileSet;
-use crate::variance::Spread;
+use crate::variance::Moments;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -90,8 +90,8 @@ impl TileLog {
     ///
     /// # Errors
     /// The disk is full, or gone.
-    pub fn append(&self, tile: usize, spreads: &[Spread]) -> Result<(), RecordError> {
-        let frame = frame_bytes(tile, spreads);
+    pub fn append(&self, tile: usize, rows: &[Moments]) -> Result<(), RecordError> {
+        let frame = frame_bytes(tile, rows);
         let mut guard = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         let (file, len) = &mut *guard;
         file.write_all(&frame).map_err(|e| RecordFault::Io("write", e).of(&self.path))?;

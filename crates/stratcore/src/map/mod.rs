@@ -1,10 +1,10 @@
 //! Maps: the study of every pixel of a region, in tiles that can be stored, split and merged.
 //!
 //! ```text
-//! MapPlan + TracedScene → MapStudy → a tile's spreads → TileLog → TileSet → read_tile
+//! MapPlan + TracedScene → MapStudy → a tile's moments → TileLog → TileSet → read_tile
 //! ```
 //!
-//! * The unit of work and of storage is a tile: the spreads of its pixels, one per sampler and
+//! * The unit of work and of storage is a tile: the moments of its pixels' trial means, one per sampler and
 //!   count ([`MapStudy::tile`]). Every interval, fit and class is worked out from them again
 //!   ([`read_tile`]), so a map that was resumed, or merged from shards, is the map of one run.
 //! * [`TileLog`] is the file that finished tiles are added to; [`TileSet`] is any number of such
@@ -27,7 +27,7 @@ pub use histogram::Histogram;
 pub use log::TileLog;
 pub use plan::{Identity, MapPlan, SamplerIdentity};
 pub use record_error::{RecordError, RecordFault};
-pub use records::Header;
+pub use records::{Header, ROW_BYTES};
 pub use region::{Region, RegionError, Tiling};
 pub use set::TileSet;
 pub use summary::{ClassShare, Comparison, Gain, SamplerSummary, Summary, Tally};
@@ -36,7 +36,7 @@ use crate::error::StudyError;
 use crate::exact;
 use crate::study::{Control, ExactStudy, Reading, collect, study};
 use crate::trace::TracedScene;
-use crate::variance::Spread;
+use crate::variance::Moments;
 
 /// A plan and its scene, ready to be measured pixel by pixel.
 pub struct MapStudy<'a> {
@@ -56,38 +56,39 @@ impl<'a> MapStudy<'a> {
         Ok(Self { scene, plan, exact: exact.transpose()? })
     }
 
-    /// The spreads of one pixel, one per sampler and count, samplers first. All of them are NaN
+    /// The moments of one pixel's trial means, one per sampler and count, samplers first. All are NaN
     /// where some trial's mean is not finite: one such pixel should not cost the others.
     ///
     /// # Errors
     /// As [`study`], but for `NonFinite`.
-    pub fn pixel(&self, pixel: [u32; 2], control: Control<'_>) -> Result<Vec<Spread>, StudyError> {
-        const MISSING: Spread =
-            Spread { grand_mean: f64::NAN, variance_of_mean: f64::NAN, var_ln: f64::NAN };
+    pub fn pixel(&self, pixel: [u32; 2], control: Control<'_>) -> Result<Vec<Moments>, StudyError> {
         let plan = &self.plan.study;
+        let missing = Moments {
+            count: plan.n_trials.into(),
+            mean: f64::NAN,
+            variance: f64::NAN,
+            ..Moments::default()
+        };
         let integrand = self.scene.pixel(pixel, self.plan.channel);
         let studied = match &self.exact {
             Some(exact) => exact.pixel(&integrand, pixel, control),
             None => study(&integrand, pixel, plan, control),
         };
         match studied {
-            Ok(result) if result.complete => {
-                let rows = result.samplers.iter().flat_map(|sampler| &sampler.rows);
-                Ok(rows.map(|row| row.spread()).collect())
-            }
+            Ok(result) if result.complete => Ok(result.moments()),
             Ok(_) => Err(StudyError::Cancelled),
             Err(StudyError::NonFinite { .. }) => {
-                Ok(vec![MISSING; plan.samplers.len() * plan.counts.len()])
+                Ok(vec![missing; plan.samplers.len() * plan.counts.len()])
             }
             Err(error) => Err(error),
         }
     }
 
-    /// The spreads of a tile's pixels, row by row: what is stored of it.
+    /// The moments of a tile's pixels, row by row: what is stored of it.
     ///
     /// # Errors
     /// As [`MapStudy::pixel`].
-    pub fn tile(&self, tile: Region, control: Control<'_>) -> Result<Vec<Spread>, StudyError> {
+    pub fn tile(&self, tile: Region, control: Control<'_>) -> Result<Vec<Moments>, StudyError> {
         Ok(collect(tile.pixels().collect(), |pixel| self.pixel(pixel, control))?.concat())
     }
 }
@@ -95,8 +96,8 @@ impl<'a> MapStudy<'a> {
 /// What a map says of one pixel under one sampler.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PixelReading {
-    /// One spread per count.
-    pub spreads: Vec<Spread>,
+    /// Mean and variance of the mean per count, and their shape.
+    pub moments: Vec<Moments>,
     /// Fit and class.
     pub reading: Reading,
 }
@@ -104,27 +105,27 @@ pub struct PixelReading {
 impl PixelReading {
     /// Whether nothing is known: some trial's mean was not finite.
     pub fn is_missing(&self) -> bool {
-        self.spreads.iter().any(|spread| spread.variance_of_mean.is_nan())
+        self.moments.iter().any(|moments| moments.variance.is_nan())
     }
 
     /// Whether its variances were computed without trials.
     pub fn is_computed(&self) -> bool {
-        self.spreads.iter().all(|spread| spread.var_ln == 0.0)
+        self.moments.iter().all(|moments| moments.count == 0)
     }
 }
 
-/// Works out fits and classes from a tile's spreads: for each pixel, row by row, one reading per
+/// Works out fits and classes from a tile's moments: for each pixel, row by row, one reading per
 /// sampler.
-pub fn read_tile(identity: &Identity, spreads: &[Spread]) -> Vec<Vec<PixelReading>> {
+pub fn read_tile(identity: &Identity, moments: &[Moments]) -> Vec<Vec<PixelReading>> {
     let n_counts = identity.counts.len();
-    let read_sampler = |(sampler, spreads): (&SamplerIdentity, &[Spread])| {
+    let read_sampler = |(sampler, moments): (&SamplerIdentity, &[Moments])| {
         let rows: Vec<_> =
-            sampler.counts_used.iter().copied().zip(spreads.iter().copied()).collect();
+            sampler.counts_used.iter().copied().zip(moments.iter().copied()).collect();
         let reading = Reading::of(&sampler.name, sampler.scramble, identity.dim, &rows);
-        PixelReading { spreads: spreads.to_vec(), reading }
+        PixelReading { moments: moments.to_vec(), reading }
     };
-    let read_pixel = |spreads: &[Spread]| {
-        identity.samplers.iter().zip(spreads.chunks_exact(n_counts)).map(read_sampler).collect()
+    let read_pixel = |moments: &[Moments]| {
+        identity.samplers.iter().zip(moments.chunks_exact(n_counts)).map(read_sampler).collect()
     };
-    spreads.chunks_exact(identity.spreads_per_pixel()).map(read_pixel).collect()
+    moments.chunks_exact(identity.rows_per_pixel()).map(read_pixel).collect()
 }

@@ -128,8 +128,8 @@ impl Identity {
         Tiling { region: self.region, side: self.tile_side }
     }
 
-    /// Spreads that are kept of each pixel: one per sampler and count.
-    pub fn spreads_per_pixel(&self) -> usize {
+    /// Rows that are kept of each pixel: one per sampler and count.
+    pub fn rows_per_pixel(&self) -> usize {
         self.samplers.len() * self.counts.len()
     }
 

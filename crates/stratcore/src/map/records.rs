@@ -1,8 +1,8 @@
 //! Files of finished tiles.
 //!
 //! A file is two lines of text, the format's name and a [`Header`] as JSON, and then a frame per
-//! tile in any order: its index, its spreads (grand mean, variance of the mean, variance of
-//! ln s²), and the hash of both, in words of 64 bits, least significant byte first. How long a
+//! tile in any order: its index, its rows (trials, and mean, variance, skewness and kurtosis of
+//! their means), and the hash of both, in words of 64 bits, least significant byte first. How long a
 //! frame is follows from the plan. A frame that a killed run left unfinished is not counted, and
 //! is overwritten when the run goes on.
 
@@ -11,7 +11,7 @@ use super::digest::Digest;
 use super::plan::Identity;
 use super::record_error::{RecordError, RecordFault};
 use super::set::TileSet;
-use crate::variance::Spread;
+use crate::variance::Moments;
 use serde::{Deserialize, Serialize};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
@@ -114,11 +114,21 @@ pub(super) fn scan(file: &mut (impl BufRead + Seek), plan: &Identity) -> io::Res
     Ok(Scan { frames, end, rest })
 }
 
-pub(super) fn frame_bytes(tile: usize, spreads: &[Spread]) -> Vec<u8> {
-    let mut bytes = Vec::with_capacity(24 * spreads.len() + 24);
+/// Numbers that are kept of one sampler and count: count, mean, variance, skewness, kurtosis.
+const NUMBERS: usize = 5;
+/// The same in bytes.
+pub const ROW_BYTES: usize = 8 * NUMBERS;
+
+pub(super) fn frame_bytes(tile: usize, rows: &[Moments]) -> Vec<u8> {
+    let mut bytes = Vec::with_capacity(ROW_BYTES * rows.len() + 24);
     let mut digest = Digest::new();
-    let numbers = spreads.iter().flat_map(|s| [s.grand_mean, s.variance_of_mean, s.var_ln]);
-    for word in std::iter::once(tile as u64).chain(numbers.map(f64::to_bits)) {
+    let words = rows.iter().flat_map(|row| {
+        let Moments { count, mean, variance, skewness, kurtosis } = *row;
+        let [mean, variance, skewness, kurtosis] =
+            [mean, variance, skewness, kurtosis].map(f64::to_bits);
+        [count, mean, variance, skewness, kurtosis]
+    });
+    for word in std::iter::once(tile as u64).chain(words) {
         digest.word(word);
         bytes.extend(word.to_le_bytes());
     }
@@ -130,7 +140,7 @@ pub(super) fn frame_bytes(tile: usize, spreads: &[Spread]) -> Vec<u8> {
 pub(super) fn read_frame(
     file: &mut impl Read,
     plan: &Identity,
-) -> io::Result<Option<(usize, Vec<Spread>)>> {
+) -> io::Result<Option<(usize, Vec<Moments>)>> {
     let mut word = [0; 8];
     if !read_whole(file, &mut word)? {
         return Ok(None);
@@ -140,31 +150,30 @@ pub(super) fn read_frame(
     let Some(tile) = usize::try_from(index).ok().filter(|tile| *tile < tiling.n_tiles()) else {
         return Ok(None);
     };
-    let n_spreads = tiling.tile(tile).n_pixels() as usize * plan.spreads_per_pixel();
-    let mut bytes = vec![0; 24 * n_spreads + 16];
+    let n_rows = tiling.tile(tile).n_pixels() as usize * plan.rows_per_pixel();
+    let mut bytes = vec![0; ROW_BYTES * n_rows + 16];
     if !read_whole(file, &mut bytes)? {
         return Ok(None);
     }
-    let (payload, hash) = bytes.split_at(24 * n_spreads);
+    let (payload, hash) = bytes.split_at(ROW_BYTES * n_rows);
     let mut digest = Digest::new();
     digest.word(index);
     let (words, _) = payload.as_chunks::<8>();
     let words = words.iter().map(|bytes| {
         let word = u64::from_le_bytes(*bytes);
         digest.word(word);
-        f64::from_bits(word)
+        word
     });
-    let numbers: Vec<f64> = words.collect();
+    let words: Vec<u64> = words.collect();
     if hash != digest.finish().to_le_bytes() {
         return Ok(None);
     }
-    let (triples, _) = numbers.as_chunks::<3>();
-    let spread = |&[grand_mean, variance_of_mean, var_ln]: &[f64; 3]| Spread {
-        grand_mean,
-        variance_of_mean,
-        var_ln,
+    let (rows, _) = words.as_chunks::<NUMBERS>();
+    let moments = |&[count, rest @ ..]: &[u64; NUMBERS]| {
+        let [mean, variance, skewness, kurtosis] = rest.map(f64::from_bits);
+        Moments { count, mean, variance, skewness, kurtosis }
     };
-    Ok(Some((tile, triples.iter().map(spread).collect())))
+    Ok(Some((tile, rows.iter().map(moments).collect())))
 }
 
 /// Fills `bytes`; false where the file ends before.

@@ -4,7 +4,7 @@ use super::cost::Shard;
 use super::plan::Identity;
 use super::record_error::{RecordError, RecordFault};
 use super::records::{read_frame, read_header, scan};
-use crate::variance::Spread;
+use crate::variance::Moments;
 use std::fs::File;
 use std::io::{self, BufReader, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -102,22 +102,22 @@ impl TileSet {
         self.places.get(tile).is_some_and(Option::is_some)
     }
 
-    /// The spreads of a tile that is there; nothing for one that is not.
+    /// The rows of a tile that is there; nothing for one that is not.
     ///
     /// # Errors
     /// The file has changed since it was opened.
-    pub fn read(&self, tile: usize) -> Result<Vec<Spread>, RecordError> {
+    pub fn read(&self, tile: usize) -> Result<Vec<Moments>, RecordError> {
         let Some((number, at)) = self.places.get(tile).copied().flatten() else {
             return Ok(Vec::new());
         };
         let path = &self.files[number as usize];
-        let frame = || -> io::Result<Option<Vec<Spread>>> {
+        let frame = || -> io::Result<Option<Vec<Moments>>> {
             let mut file = File::open(path)?;
             file.seek(SeekFrom::Start(at))?;
-            Ok(read_frame(&mut file, &self.plan)?.map(|(_, spreads)| spreads))
+            Ok(read_frame(&mut file, &self.plan)?.map(|(_, rows)| rows))
         };
         match frame() {
-            Ok(Some(spreads)) => Ok(spreads),
+            Ok(Some(rows)) => Ok(rows),
             Ok(None) => Err(RecordFault::NotTiles.of(path)),
             Err(error) => Err(RecordFault::Io("read", error).of(path)),
         }

@@ -173,7 +173,7 @@ impl Tally {
             self.missing += 1;
             return;
         }
-        let judged = self.judge.map(|i| pixel[i].reading);
+        let judged = self.judge.map(|i| &pixel[i].reading);
         let class = judged.and_then(|reading| reading.class);
         let class = class.and_then(|class| CLASSES.iter().position(|c| *c == class));
         if let Some(class) = class {
@@ -185,8 +185,8 @@ impl Tally {
         }
         for pair in &mut self.pairs {
             for (row, (_, at)) in pair.rows.iter().enumerate() {
-                let a = pixel[pair.sampler].spreads[at[0]].variance_of_mean;
-                let b = pixel[pair.baseline].spreads[at[1]].variance_of_mean;
+                let a = pixel[pair.sampler].moments[at[0]].variance;
+                let b = pixel[pair.baseline].moments[at[1]].variance;
                 if a > 0.0 && b > 0.0 {
                     let ratio = (a / b).log2();
                     class.iter().for_each(|class| pair.ratios[*class][row].add(ratio));
@@ -241,7 +241,7 @@ impl Exponents {
             return;
         };
         self.fitted += 1;
-        let has_zero = pixel.spreads.iter().any(|spread| spread.variance_of_mean == 0.0);
+        let has_zero = pixel.moments.iter().any(|moments| moments.variance == 0.0);
         self.partly_exact += u64::from(has_zero);
         let p = fit.exponent - 1.0;
         self.sums = [self.sums[0] + p, self.sums[1] + p * p];

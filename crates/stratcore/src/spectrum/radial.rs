@@ -1,7 +1,7 @@
 //! Spectra as functions of the distance from frequency zero.
 
 use super::Spectrum;
-use crate::variance::spread;
+use crate::variance::Moments;
 use serde::Serialize;
 
 /// Frequencies at about the same distance from zero.
@@ -52,8 +52,8 @@ impl Spectrum {
 
 impl Ring {
     fn new(frequency: f64, powers: &[f64]) -> Self {
-        let spread = spread(powers);
-        let (power, variance) = (spread.grand_mean, spread.variance_of_mean);
+        let spread = Moments::of(powers);
+        let (power, variance) = (spread.mean, spread.variance);
         Self {
             frequency,
             power,

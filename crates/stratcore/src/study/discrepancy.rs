@@ -6,7 +6,7 @@ use crate::error::StudyError;
 use crate::fit::{Fit, power_law};
 use crate::rng::StreamKey;
 use crate::sampler::{self, CountPolicy, PointSet, Scramble, whole_set};
-use crate::variance::spread;
+use crate::variance::Moments;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::sync::atomic::Ordering;
@@ -182,9 +182,9 @@ fn mean_and_error(values: &[f64]) -> (f64, Option<f64>) {
     if values.len() < 2 {
         return (values.first().copied().unwrap_or(f64::NAN), None);
     }
-    let spread = spread(values);
-    let std_error = (spread.variance_of_mean / values.len() as f64).sqrt();
-    (spread.grand_mean, Some(std_error))
+    let spread = Moments::of(values);
+    let std_error = (spread.variance / values.len() as f64).sqrt();
+    (spread.mean, Some(std_error))
 }
 
 /// A line through the means. A count that was snapped to the same N twice is one row.

@@ -7,6 +7,7 @@ use super::{
 use crate::error::StudyError;
 use crate::exact::{ExactCurve, Grids, Unresolved};
 use crate::integrand::{Integrand, Reference};
+use crate::noise::Noise;
 use crate::sampler::{CountPolicy, Scramble};
 use crate::trace::PixelIntegrand;
 use std::sync::atomic::Ordering;
@@ -68,7 +69,7 @@ impl<'a> ExactStudy<'a> {
                 Ok(rows) => {
                     let samples = rows.iter().fold(0u64, |sum, row| sum.saturating_add(row.n_used));
                     (control.progress)(samples.saturating_mul(plan.n_trials.into()));
-                    let measured = summarise(integrand, *choice, rows);
+                    let measured = summarise(integrand, *choice, rows, 0);
                     SamplerResult { method: Method::Exact, ..measured }
                 }
                 Err(reason) => {
@@ -122,7 +123,9 @@ fn exact_rows(
         n_used,
         grand_mean: curve.mean,
         variance_of_mean,
-        var_ln: 0.0,
+        skewness: 0.0,
+        kurtosis: 0.0,
+        noise: Noise::None,
         exact_variance: None,
         strata: rectangular.then(|| choice.sampler.strata(n_used, ExactStudy::DIM)).flatten(),
         ns_per_sample: None,

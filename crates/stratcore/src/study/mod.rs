@@ -2,27 +2,34 @@
 
 mod discrepancy;
 mod exact;
+mod live;
 mod parallel;
 mod picture;
 mod plan;
 mod result;
 mod spectrum;
+mod until;
 
 pub use discrepancy::{Discrepancies, DiscrepancyCurve, DiscrepancyRow, discrepancies};
 pub use exact::ExactStudy;
+pub use live::study_live;
 pub use parallel::{collect, for_each, in_order, thread_count, with_threads};
 pub use picture::{Image, render};
 pub use plan::{SamplerChoice, StudyPlan};
 pub use result::{Method, Reading, Row, SamplerResult, StudyResult};
 pub use spectrum::{ErrorPlan, ErrorSpectrum, error_spectra, point_spectrum};
+pub use until::{EarlyFit, Stop, StopReason, Tightness, study_until};
+
+use result::Curves;
 
 use crate::error::StudyError;
 use crate::integrand::{Integrand, Regularity};
+use crate::noise::Noise;
 use crate::rng::StreamKey;
 use crate::sampler::{CountPolicy, PointSet, Scramble};
 use crate::theory::{Basis, Subject, predict};
 use crate::trial::trial_means;
-use crate::variance::{Spread, spread};
+use crate::variance::Moments;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -127,57 +134,88 @@ fn study_sampler(
     counts_used: &[u64],
     control: Control<'_>,
 ) -> Result<SamplerResult, StudyError> {
-    let set = |n_samples| {
-        let sampler = choice.sampler.stream_id();
-        PointSet {
-            key: StreamKey { seed: plan.seed, pixel, sampler, n_samples, trial: 0 },
-            dim: integrand.dim(),
-            scramble: choice.scramble,
-            rectangular: plan.count_policy == CountPolicy::Rect,
-        }
-    };
     let mut rows = Vec::with_capacity(counts_used.len());
     for (&n, &n_used) in plan.counts.iter().zip(counts_used) {
-        let set = set(n_used);
-        set.key.check()?;
-        let (means, ns_per_sample) = row_means(integrand, choice, &set, plan.n_trials, control)?;
-        if let Some((trial, &mean)) = (0..).zip(&means).find(|(_, mean)| !mean.is_finite()) {
-            let sampler = choice.sampler.name();
-            return Err(StudyError::NonFinite { pixel, sampler, n: n_used, trial, mean });
-        }
-        let Spread { grand_mean, variance_of_mean, var_ln } = spread(&means);
-        rows.push(Row {
-            n,
-            n_used,
-            grand_mean,
-            variance_of_mean,
-            var_ln,
-            exact_variance: exact_variance(integrand, choice, n_used),
-            strata: set.rectangular.then(|| choice.sampler.strata(n_used, set.dim)).flatten(),
-            ns_per_sample,
-        });
+        let set = point_set(integrand, pixel, plan, choice, n_used)?;
+        let mut means = vec![0.0; plan.n_trials as usize];
+        let ns_per_sample = row_means(integrand, choice, &set, 0, &mut means, control)?;
+        rows.push(Row { ns_per_sample, ..row(integrand, choice, &set, n, &means)? });
     }
-    Ok(summarise(integrand, choice, rows))
+    Ok(summarise(integrand, choice, rows, plan.n_trials))
 }
 
-/// The M trial means of one row, in trial order.
+/// Names the sets of N points of a study; the trial is left open.
+pub(crate) fn point_set(
+    integrand: &dyn Integrand,
+    pixel: [u32; 2],
+    plan: &StudyPlan,
+    choice: SamplerChoice,
+    n_samples: u64,
+) -> Result<PointSet, StudyError> {
+    let sampler = choice.sampler.stream_id();
+    let key = StreamKey { seed: plan.seed, pixel, sampler, n_samples, trial: 0 };
+    key.check()?;
+    Ok(PointSet {
+        key,
+        dim: integrand.dim(),
+        scramble: choice.scramble,
+        rectangular: plan.count_policy == CountPolicy::Rect,
+    })
+}
+
+/// The row that these trial means make, without its time.
+fn row(
+    integrand: &dyn Integrand,
+    choice: SamplerChoice,
+    set: &PointSet,
+    n: u64,
+    means: &[f64],
+) -> Result<Row, StudyError> {
+    let n_used = set.key.n_samples;
+    if let Some((trial, &mean)) = (0..).zip(means).find(|(_, mean)| !mean.is_finite()) {
+        let (pixel, sampler) = (set.key.pixel, choice.sampler.name());
+        return Err(StudyError::NonFinite { pixel, sampler, n: n_used, trial, mean });
+    }
+    let moments = Moments::of(means);
+    if moments.is_out_of_range() {
+        let (pixel, sampler) = (set.key.pixel, choice.sampler.name());
+        let variance = moments.variance;
+        return Err(StudyError::VarianceOutOfRange { pixel, sampler, n: n_used, variance });
+    }
+    Ok(Row {
+        n,
+        n_used,
+        grand_mean: moments.mean,
+        variance_of_mean: moments.variance,
+        skewness: moments.skewness,
+        kurtosis: moments.kurtosis,
+        noise: Noise::None,
+        exact_variance: exact_variance(integrand, choice, n_used),
+        strata: set.rectangular.then(|| choice.sampler.strata(n_used, set.dim)).flatten(),
+        ns_per_sample: None,
+    })
+}
+
+/// Overwrites `means` with those of trials `first_trial ..`, in order; gives the time per
+/// sample where there is a clock.
 fn row_means(
     integrand: &dyn Integrand,
     choice: SamplerChoice,
     set: &PointSet,
-    n_trials: u32,
+    first_trial: u32,
+    means: &mut [f64],
     control: Control<'_>,
-) -> Result<(Vec<f64>, Option<f64>), StudyError> {
+) -> Result<Option<f64>, StudyError> {
     /// Samples per task: some tens of microseconds of work at the least.
     const TASK: u64 = 1 << 14;
     let n = set.key.n_samples;
-    let mut means = vec![0.0; n_trials as usize];
+    let n_trials = means.len();
     let trials_per_task =
-        if control.clock.is_some() { means.len() } else { (TASK / n).max(1) as usize };
+        if control.clock.is_some() { n_trials } else { (TASK / n).max(1) as usize };
     let start = control.clock.map(|clock| clock());
     means.par_chunks_mut(trials_per_task).enumerate().for_each(|(task, chunk)| {
         if !control.cancel.load(Ordering::Relaxed) {
-            let first_trial = (task * trials_per_task) as u32;
+            let first_trial = first_trial + (task * trials_per_task) as u32;
             trial_means(integrand, choice.sampler, set, first_trial, chunk, control.cancel);
             (control.progress)(chunk.len() as u64 * n);
         }
@@ -185,10 +223,10 @@ fn row_means(
     if control.cancel.load(Ordering::Relaxed) {
         return Err(StudyError::Cancelled);
     }
-    let ns_per_sample = control.clock.zip(start).map(|(clock, start)| {
-        (clock() - start).as_nanos() as f64 / (f64::from(n_trials) * n as f64)
-    });
-    Ok((means, ns_per_sample))
+    Ok(control
+        .clock
+        .zip(start)
+        .map(|(clock, start)| (clock() - start).as_nanos() as f64 / (n_trials as f64 * n as f64)))
 }
 
 /// The closed form's variance, for the point sets that [`Integrand::exact_variance`] speaks of.
@@ -198,12 +236,22 @@ fn exact_variance(integrand: &dyn Integrand, choice: SamplerChoice, n: u64) -> O
     plain.then(|| integrand.exact_variance(choice.sampler.name(), n)).flatten()
 }
 
-fn summarise(integrand: &dyn Integrand, choice: SamplerChoice, rows: Vec<Row>) -> SamplerResult {
+/// What the rows of one sampler, each of `trials` trials, say together.
+fn summarise(
+    integrand: &dyn Integrand,
+    choice: SamplerChoice,
+    mut rows: Vec<Row>,
+    trials: u32,
+) -> SamplerResult {
     let name = choice.sampler.name();
     let dim = integrand.dim();
-    let spreads: Vec<_> = rows.iter().map(|row| (row.n_used, row.spread())).collect();
-    let Reading { fit, exact, class, class_is_sure } =
-        Reading::of(name, choice.scramble, dim, &spreads);
+    let moments: Vec<_> = rows.iter().map(|row| (row.n_used, row.moments(trials))).collect();
+    let reading = Reading::of(name, choice.scramble, dim, &moments);
+    let curves = Curves::of(&moments, &reading);
+    let Reading { noise, fit, paper_fit, exact, class, class_is_sure } = reading;
+    for (row, noise) in rows.iter_mut().zip(noise) {
+        row.noise = noise;
+    }
     let known = predict(name, choice.scramble, &Subject::of(integrand)).filter(|_| !exact);
     let of_class = || class.filter(|_| class_is_sure)?.predicted_exponent(dim);
     let (predicted, predicted_from) = match known {
@@ -218,7 +266,11 @@ fn summarise(integrand: &dyn Integrand, choice: SamplerChoice, rows: Vec<Row>) -
         name,
         scramble: choice.scramble,
         fit,
-        fit_without_first: result::fit_spreads(&spreads, 1),
+        misfit_p_value: fit.and_then(|fit| fit.p_value()),
+        local_slopes: curves.local_slopes,
+        two_terms: curves.two_terms,
+        paper_fit,
+        paper_fit_without_first: curves.paper_without_first,
         exact,
         class,
         class_is_sure,

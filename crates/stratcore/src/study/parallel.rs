@@ -7,8 +7,16 @@ pub fn with_threads<R: Send>(threads: Option<usize>, work: impl FnOnce() -> R + 
     let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
     match builder.build() {
         Ok(pool) => pool.install(work),
-        // The system refused new threads: one is enough for the same result.
-        Err(_) => work(),
+        // The system refused new threads. Rayon's global pool would ask for them again, and
+        // panic; a pool of the calling thread alone asks for none.
+        Err(_) => {
+            let alone = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread();
+            match alone.build() {
+                Ok(pool) => pool.install(work),
+                // This thread belongs to a pool already: the work runs there.
+                Err(_) => work(),
+            }
+        }
     }
 }
 

@@ -1,11 +1,14 @@
 //! What was measured.
 
 use crate::exact::Unresolved;
-use crate::fit::{Fit, fit};
+use crate::fit::{
+    Fit, LocalSlope, TwoTerms, WeightedRow, local_slopes, power_law, two_terms, weighted_fit,
+};
 use crate::integrand::Reference;
+use crate::noise::{Noise, pooled_noise};
 use crate::sampler::Scramble;
 use crate::theory::{Basis, Class};
-use crate::variance::Spread;
+use crate::variance::Moments;
 use serde::{Serialize, Serializer};
 
 /// The convergence of one pixel, or of one integrand, under each sampler of a plan.
@@ -29,6 +32,29 @@ pub struct StudyResult {
     pub complete: bool,
 }
 
+impl StudyResult {
+    /// The moments of each row's trial means, of no trials where they were computed; samplers
+    /// first.
+    pub fn moments(&self) -> Vec<Moments> {
+        let of_sampler = |sampler: &SamplerResult| {
+            let trials = if sampler.method == Method::Exact { 0 } else { self.trials };
+            sampler.rows.iter().map(|row| row.moments(trials)).collect::<Vec<_>>()
+        };
+        self.samplers.iter().flat_map(of_sampler).collect()
+    }
+
+    /// The same in the paper's terms: each sampler's [`fit`](SamplerResult::fit) is its
+    /// [`paper_fit`](SamplerResult::paper_fit).
+    #[must_use]
+    pub fn with_paper_fits(mut self) -> Self {
+        for sampler in &mut self.samplers {
+            sampler.fit = sampler.paper_fit;
+            sampler.two_terms = None;
+        }
+        self
+    }
+}
+
 /// The convergence under one sampler.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SamplerResult {
@@ -38,10 +64,20 @@ pub struct SamplerResult {
     pub scramble: Scramble,
     /// One row per sample count of the plan.
     pub rows: Vec<Row>,
-    /// The paper's fit through the rows that have a variance; none when fewer than two have.
+    /// Generalised least squares through the rows that have a variance, each with the weight
+    /// that its noise gives it; none when fewer than two have.
     pub fit: Option<Fit>,
-    /// The same without the row of smallest N.
-    pub fit_without_first: Option<Fit>,
+    /// How often one slope would leave residuals as large as the fit's by chance: below some
+    /// 0.01 no single slope describes the rows.
+    pub misfit_p_value: Option<f64>,
+    /// Exponents between neighbouring N.
+    pub local_slopes: Vec<LocalSlope>,
+    /// Two power laws, where one does not describe the rows and two do better.
+    pub two_terms: Option<TwoTerms>,
+    /// The paper's unweighted fit through the same rows. Classes are read from it.
+    pub paper_fit: Option<Fit>,
+    /// The paper's fit without the row of smallest N.
+    pub paper_fit_without_first: Option<Fit>,
     /// Every variance is zero: each estimate was the same number.
     pub exact: bool,
     /// Kind of pixel, read from the exponent under `jittered`; none for other samplers.
@@ -73,6 +109,13 @@ pub enum Method {
     Exact,
 }
 
+impl SamplerResult {
+    /// What the weighted fit is made of: the rows with a variance, in the order of N.
+    pub fn weighted_rows(&self) -> Vec<WeightedRow> {
+        weighted_rows(self.rows.iter().map(|row| (row.n_used, row.variance_of_mean, row.noise)))
+    }
+}
+
 /// The spread of M trial means at one N.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
@@ -84,8 +127,13 @@ pub struct Row {
     pub grand_mean: f64,
     /// Mitchell's σ², divisor M - 1.
     pub variance_of_mean: f64,
-    /// Variance of ln s².
-    pub var_ln: f64,
+    /// g₁ of the trial means; 0 without a variance.
+    pub skewness: f64,
+    /// g₂ of the trial means (0 for normal ones); 0 without a variance.
+    pub kurtosis: f64,
+    /// How s² scatters about the true variance, from the shape of this row's trial means and
+    /// those of the sampler's other rows.
+    pub noise: Noise,
     /// The variance that a closed form gives at this N, where the integrand has one.
     pub exact_variance: Option<f64>,
     /// Strata along each axis, where rectangular ones were allowed and the sampler has strata.
@@ -95,15 +143,20 @@ pub struct Row {
 }
 
 impl Row {
-    /// The row's spread, as a fit wants it.
-    pub fn spread(&self) -> Spread {
-        let Self { grand_mean, variance_of_mean, var_ln, .. } = *self;
-        Spread { grand_mean, variance_of_mean, var_ln }
+    /// Variance of ln s²; 0 where s² is.
+    pub fn var_ln(&self) -> f64 {
+        self.noise.var_ln()
+    }
+
+    /// The moments of its trial means, which were so many.
+    pub fn moments(&self, trials: u32) -> Moments {
+        let Self { grand_mean: mean, variance_of_mean: variance, skewness, kurtosis, .. } = *self;
+        Moments { count: trials.into(), mean, variance, skewness, kurtosis }
     }
 
     /// Ends of the variance's 95 % interval.
     pub fn ci95(&self) -> [f64; 2] {
-        self.spread().ci95()
+        self.noise.ci95(self.variance_of_mean)
     }
 }
 
@@ -118,12 +171,15 @@ impl Serialize for Row {
             variance_of_mean: f64,
             lo: f64,
             hi: f64,
-            var_ln: f64,
+            var_ln: Option<f64>,
+            skewness: Option<f64>,
+            kurtosis: Option<f64>,
             exact_variance: Option<f64>,
             strata: Option<&'a [u64]>,
             ns_per_sample: Option<f64>,
         }
         let [lo, hi] = self.ci95();
+        let varies = self.variance_of_mean > 0.0;
         Document {
             n: self.n,
             n_used: self.n_used,
@@ -131,7 +187,9 @@ impl Serialize for Row {
             variance_of_mean: self.variance_of_mean,
             lo,
             hi,
-            var_ln: self.var_ln,
+            var_ln: varies.then(|| self.var_ln()),
+            skewness: varies.then_some(self.skewness),
+            kurtosis: varies.then_some(self.kurtosis),
             exact_variance: self.exact_variance,
             strata: self.strata.as_deref(),
             ns_per_sample: self.ns_per_sample,
@@ -140,11 +198,15 @@ impl Serialize for Row {
     }
 }
 
-/// What one sampler's spreads say: their fit, and the class read from it.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// What one sampler's rows say: the noise of each, the fits, and the class.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Reading {
+    /// How each row's s² scatters.
+    pub noise: Vec<Noise>,
     /// See [`SamplerResult::fit`].
     pub fit: Option<Fit>,
+    /// See [`SamplerResult::paper_fit`].
+    pub paper_fit: Option<Fit>,
     /// See [`SamplerResult::exact`].
     pub exact: bool,
     /// See [`SamplerResult::class`].
@@ -154,33 +216,67 @@ pub struct Reading {
 }
 
 impl Reading {
-    /// Reads the spread at each N used, for a sampler by name in `dim` dimensions. A spread that
-    /// is not a number is missing: it is neither fitted nor exact.
-    pub fn of(sampler: &str, scramble: Scramble, dim: usize, spreads: &[(u64, Spread)]) -> Self {
-        let fit = fit_spreads(spreads, 0);
-        let exact = spreads.iter().all(|(_, spread)| spread.variance_of_mean == 0.0);
+    /// Reads the moments of the trial means at each N used, for a sampler by name in `dim`
+    /// dimensions. A variance that is not a number is missing: it is neither fitted nor exact.
+    pub fn of(sampler: &str, scramble: Scramble, dim: usize, rows: &[(u64, Moments)]) -> Self {
+        let noise = pooled_noise(rows);
+        let varying = noisy_rows(rows, &noise);
+        let fit = weighted_fit(&varying);
+        let paper_fit = fit_alike(&varying, 0);
+        let exact = rows.iter().all(|(_, moments)| moments.variance == 0.0);
         // A torus shift tears the strata apart: what is known of a sampler holds for it
         // unscrambled.
         let reads_class = sampler == "jittered" && scramble == Scramble::None;
-        let class = match (&fit, exact) {
+        let class = match (&paper_fit, exact) {
             (_, true) => Some(Class::Exact),
             (Some(fit), _) if reads_class => Some(Class::of_exponent(fit.exponent, dim)),
             _ => None,
         };
         let class_is_sure = exact
             || reads_class
-                && fit.is_some_and(|fit| {
+                && paper_fit.is_some_and(|fit| {
                     Class::of_exponent(fit.ci95[0], dim) == Class::of_exponent(fit.ci95[1], dim)
                 });
-        Self { fit, exact, class, class_is_sure }
+        Self { noise, fit, paper_fit, exact, class, class_is_sure }
     }
 }
 
-/// The paper's fit through spreads with a variance, leaving out the `skip` smallest N. Counts
-/// that were snapped to the same N drew the same points: they are one row.
-pub(super) fn fit_spreads(spreads: &[(u64, Spread)], skip: usize) -> Option<Fit> {
-    let mut spreads = spreads.to_vec();
-    spreads.sort_by_key(|(n, _)| *n);
-    spreads.dedup_by_key(|(n, _)| *n);
-    fit(spreads.iter().skip(skip).map(|(n, spread)| (*n, spread)))
+/// Curves beyond the two lines of a [`Reading`].
+pub(super) struct Curves {
+    pub local_slopes: Vec<LocalSlope>,
+    pub two_terms: Option<TwoTerms>,
+    pub paper_without_first: Option<Fit>,
+}
+
+impl Curves {
+    pub fn of(rows: &[(u64, Moments)], reading: &Reading) -> Self {
+        let varying = noisy_rows(rows, &reading.noise);
+        Self {
+            local_slopes: local_slopes(&varying),
+            two_terms: reading.fit.and_then(|single| two_terms(&varying, &single)),
+            paper_without_first: fit_alike(&varying, 1),
+        }
+    }
+}
+
+fn noisy_rows(rows: &[(u64, Moments)], noise: &[Noise]) -> Vec<WeightedRow> {
+    weighted_rows(
+        rows.iter().zip(noise).map(|((n, moments), noise)| (*n, moments.variance, *noise)),
+    )
+}
+
+/// The rows (N, variance, noise) with a variance, in the order of N. Counts that were snapped to
+/// the same N drew the same points: they are one row.
+fn weighted_rows(rows: impl Iterator<Item = (u64, f64, Noise)>) -> Vec<WeightedRow> {
+    let mut rows: Vec<_> =
+        rows.map(|(n, variance, noise)| WeightedRow { n, variance, noise }).collect();
+    rows.sort_by_key(|row| row.n);
+    rows.dedup_by_key(|row| row.n);
+    rows.retain(|row| row.variance > 0.0);
+    rows
+}
+
+/// The paper's fit, leaving out the `skip` smallest N.
+fn fit_alike(rows: &[WeightedRow], skip: usize) -> Option<Fit> {
+    power_law(rows.iter().skip(skip).map(|row| (row.n, row.variance, row.noise.var_ln())))
 }

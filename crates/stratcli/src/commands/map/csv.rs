@@ -43,12 +43,12 @@ pub fn rows(table: Table, plan: &Identity, tile: Region, readings: &[Vec<PixelRe
                 Table::Fits => fit(&mut text, plan, reading),
                 Table::Points => {
                     let start = text.split_off(start);
-                    for (row, spread) in reading.spreads.iter().enumerate() {
+                    for (row, moments) in reading.moments.iter().enumerate() {
                         text += &start;
                         let (n, used) = (plan.counts[row], plan.samplers[i].counts_used[row]);
                         let _ = write!(text, ",{n},{used}");
-                        let [lo, hi] = spread.ci95();
-                        for value in [spread.grand_mean, spread.variance_of_mean, lo, hi] {
+                        let [lo, hi] = reading.reading.noise[row].ci95(moments.variance);
+                        for value in [moments.mean, moments.variance, lo, hi] {
                             number(&mut text, value);
                         }
                         text.push('\n');
@@ -80,7 +80,7 @@ fn fit(text: &mut String, plan: &Identity, pixel: &PixelReading) {
     if let Some(class) = reading.class {
         let _ = write!(text, "{class}");
     }
-    let has_zero = pixel.spreads.iter().any(|spread| spread.variance_of_mean == 0.0);
+    let has_zero = pixel.moments.iter().any(|moments| moments.variance == 0.0);
     let flags = [
         (reading.exact, "exact"),
         (has_zero && !reading.exact, "partly-exact"),
@@ -94,8 +94,8 @@ fn fit(text: &mut String, plan: &Identity, pixel: &PixelReading) {
 
 /// The pixel's best estimate: the mean of all trials at the largest N.
 pub fn best_mean(plan: &Identity, pixel: &PixelReading) -> f64 {
-    let largest = plan.counts.iter().zip(&pixel.spreads).max_by_key(|(n, _)| **n);
-    largest.map_or(f64::NAN, |(_, spread)| spread.grand_mean)
+    let largest = plan.counts.iter().zip(&pixel.moments).max_by_key(|(n, _)| **n);
+    largest.map_or(f64::NAN, |(_, moments)| moments.mean)
 }
 
 /// A comma and the shortest text that is read back as the same number; only the comma for one

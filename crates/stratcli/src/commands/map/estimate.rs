@@ -15,7 +15,7 @@ use std::fs::{self, OpenOptions};
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
-use stratcore::map::{Header, MapStudy, Shard};
+use stratcore::map::{Header, MapStudy, ROW_BYTES, Shard};
 use stratcore::study::{Control, collect, thread_count};
 
 /// What a map would take.
@@ -114,15 +114,15 @@ fn calibrate(job: &Job, tiles: &[usize]) -> Result<Vec<f64>> {
     Ok(times)
 }
 
-/// Bytes of one pixel's spreads.
+/// Bytes that are kept of one pixel.
 fn record_bytes(job: &Job) -> u64 {
-    24 * job.identity.spreads_per_pixel() as u64
+    (ROW_BYTES * job.identity.rows_per_pixel()) as u64
 }
 
 fn memory(job: &Job, n_tiles: usize, threads: usize) -> u64 {
     /// The program, its tables and the overview.
     const PROGRAM: u64 = 32 << 20;
-    /// Copies of a tile's spreads while its results are made: numbers, readings, bytes, rows.
+    /// Copies of a tile's rows while its results are made: numbers, readings, bytes, rows.
     const COPIES: u64 = 6;
     /// Tiles per thread that wait for their turn.
     const WAITING: u64 = 4;
@@ -137,13 +137,13 @@ fn disk(job: &Job, pixels: u64) -> u64 {
     const FIT_ROW: u64 = 200;
     const POINT_ROW: u64 = 130;
     let plan = &job.identity;
-    let (samplers, spreads) = (plan.samplers.len() as u64, plan.spreads_per_pixel() as u64);
+    let (samplers, rows) = (plan.samplers.len() as u64, plan.rows_per_pixel() as u64);
     let tiles = record_bytes(job);
     let results = match job.output.kind {
         super::finish::Kind::Tiles => tiles,
         super::finish::Kind::Picture { points } => {
-            let channels = 3 + 4 * samplers + spreads;
-            4 * channels + FIT_ROW * samplers + if points { POINT_ROW * spreads } else { 0 }
+            let channels = 3 + 4 * samplers + rows;
+            4 * channels + FIT_ROW * samplers + if points { POINT_ROW * rows } else { 0 }
         }
     };
     pixels.saturating_mul(tiles + results)

@@ -126,7 +126,7 @@ impl Layer {
             Self::Low => fitted(|fit| fit.ci95[0]),
             Self::High => fitted(|fit| fit.ci95[1]),
             Self::Class => pixel.reading.class.map_or(f64::NAN, class_id),
-            Self::Variance(row) => pixel.spreads[row].variance_of_mean,
+            Self::Variance(row) => pixel.moments[row].variance,
         }
     }
 }
