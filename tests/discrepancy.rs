@@ -315,6 +315,7 @@ fn each_wrong_use_is_one_clear_line() {
         ("spectrum classic -n 4", &["-n", "--spp"]),
         ("spectrum --spp 4", &["--spp", "-n"]),
         ("spectrum edges --samplers zsobol --spp 5", &["--spp 5", "zsobol", "4 and 8"]),
+        ("spectrum edges --samplers grid+none", &["grid", "1 different sets", "fewer trials"]),
         ("spectrum edges --spp 64 --reference-spp 16", &["--reference-spp 16", "64"]),
         ("spectrum --axes 1,1", &["--axes 1,1", "different"]),
         ("spectrum --cutoff 1", &["--cutoff", "1", "1024"]),

@@ -107,12 +107,11 @@ pub fn discrepancies(result: &Discrepancies) -> String {
         );
         let snapped = curve.rows.iter().any(|row| row.n_used != row.n);
         let mean_square = if measure.is_l2() { "mean square" } else { "" };
-        let mut table = vec![vec!["N", "N used", "sets", "mean", "± std error", mean_square]];
+        let mut header = vec!["N", "N used", "sets", "mean", "± std error", mean_square];
         if !snapped {
-            table[0].remove(1);
+            header.remove(1);
         }
-        let mut table: Vec<Vec<String>> =
-            table.iter().map(|row| row.iter().map(ToString::to_string).collect()).collect();
+        let mut table = vec![header.into_iter().map(str::to_owned).collect::<Vec<_>>()];
         for row in &curve.rows {
             let mut cells = vec![row.n.to_string()];
             if snapped {

@@ -24,7 +24,7 @@ struct PointsDocument<'a> {
     seed: u64,
     /// Trial of the first set.
     trial: u32,
-    /// [set][point][axis]
+    /// Coordinates, by set and point.
     sets: Vec<Vec<&'a [f64]>>,
 }
 

@@ -58,8 +58,10 @@ fn panel(svg: &mut Svg, [left, top]: [f64; 2], measure: Measure, curves: &[&Disc
         return;
     }
     let n_range = widen(bounds(rows().map(|row| row.n_used as f64)).map(f64::log10), 0.08);
-    let ends = rows().flat_map(|row| [row.mean, interval(row.mean, row.std_error)[0]]);
-    let value_range = widen(bounds(ends.filter(|end| *end > 0.0)).map(f64::log10), 0.08);
+    let ends = rows().flat_map(|row| interval(row.mean, row.std_error));
+    let means = rows().map(|row| row.mean);
+    let shown = means.chain(ends).filter(|value| *value > 0.0);
+    let value_range = widen(bounds(shown).map(f64::log10), 0.08);
     let x = Axis::log(n_range, [area.x, area.x + area.w]);
     let y = Axis::log(value_range, [area.y + area.h, area.y]);
     axis::draw(svg, area, &x, &y, ["points, N", "mean discrepancy"]);
@@ -136,7 +138,9 @@ fn reference_slopes(
         let end = last.min(n0 * (v0 / floor).powf(1.0 / p));
         let to = [x.at(end), y.at(v0 * (end / n0).powf(-p))];
         svg.line([x.at(n0), y.at(v0)], to, dashed);
-        svg.text([to[0] + 5.0, to[1] + 4.0], plain(SMALL, MUTED), label);
+        // A line that ends at the floor is named above it.
+        let above = if end < last { -6.0 } else { 4.0 };
+        svg.text([to[0] + 5.0, to[1] + above], plain(SMALL, MUTED), label);
     }
     if rate.upper_bound {
         let bound = |n: f64| v0 * (n / n0).powf(-0.75) * (n.ln() / n0.ln()).sqrt();

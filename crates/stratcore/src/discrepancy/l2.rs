@@ -74,8 +74,10 @@ mod tests {
     use super::*;
     use crate::variance::Moments;
 
+    type Squared = fn(&[f64], usize) -> f64;
+
     /// The discrepancies with ∫ k(x, x) dx and ∫∫ k on one axis.
-    const KNOWN: [(fn(&[f64], usize) -> f64, f64, f64); 4] = [
+    const KNOWN: [(Squared, f64, f64); 4] = [
         (l2_star_sq, 1.0 / 2.0, 1.0 / 3.0),
         (centred_sq, 5.0 / 4.0, 13.0 / 12.0),
         (wrap_around_sq, 3.0 / 2.0, 4.0 / 3.0),
@@ -118,7 +120,7 @@ mod tests {
     fn a_torus_shift_leaves_wrap_around_as_it_was() {
         let points = random(30, 3, 0);
         let shifted: Vec<_> = points.iter().map(|x| (x + 0.37).fract()).collect();
-        let change = |f: fn(&[f64], usize) -> f64| f(&points, 3) - f(&shifted, 3);
+        let change = |f: Squared| f(&points, 3) - f(&shifted, 3);
         assert!(change(wrap_around_sq).abs() < 1e-14);
         assert!(change(centred_sq).abs() > 1e-6);
     }

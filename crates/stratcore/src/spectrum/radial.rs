@@ -82,6 +82,8 @@ mod tests {
         assert_eq!(spectrum.periodograms(), trials);
         let rings = spectrum.radial();
         assert_eq!(rings.len(), 24);
+        // (1, 0), (0, 1), (1, 1) and (-1, 1); the other four of radius 1 are their opposites.
+        assert_eq!((rings[0].frequency, rings[0].frequencies), (1.0, 4));
         for ring in &rings {
             let sd = 1.0 / (f64::from(ring.frequencies) * f64::from(trials)).sqrt();
             assert!((ring.power - 1.0).abs() < 5.0 * sd, "{ring:?}");

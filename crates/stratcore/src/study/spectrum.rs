@@ -106,7 +106,7 @@ pub fn error_spectra(
     }
     let dim = scene.pixel([0, 0], Channel::Luminance).dim();
     for choice in choices {
-        sampler::check(choice.sampler, choice.scramble)?;
+        sampler::check_scramble(choice.sampler, choice.scramble)?;
         sampler::count_used(choice.sampler, plan.spp, dim, CountPolicy::Rect)?;
         sampler::check_trials(choice.sampler, choice.scramble, plan.spp, plan.n_trials)?;
     }
