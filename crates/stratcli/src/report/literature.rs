@@ -218,6 +218,8 @@ pub fn render(table: &Table, figures: &[Figure], report: bool) -> String {
                         figcaption { (figure.caption) }
                     }
                 } }
+                h2 { "Overview" }
+                (overview(table))
                 h2 { "Claims" }
                 (rule())
                 @for claim in &table.claims { (section(claim)) }
@@ -232,6 +234,31 @@ pub fn render(table: &Table, figures: &[Figure], report: bool) -> String {
         }
     };
     page.into_string()
+}
+
+/// A line for each claim, with how its rows ended.
+fn overview(table: &Table) -> Markup {
+    html! { .table { table {
+        thead { tr { th { "" } th { "Claim" } th { "Source" } th { "Rows" } } }
+        tbody { @for claim in &table.claims { tr {
+            td.whole { a href={ "#" (claim.id) } { (claim.id) } }
+            td { (signs(claim.statement)) }
+            td { (claim.source) }
+            (ending(&claim.findings))
+        } } }
+    } } }
+}
+
+/// How many rows hold of those that have a verdict.
+fn ending(findings: &[Finding]) -> Markup {
+    let count = |verdict| findings.iter().filter(|f| f.verdict() == verdict).count();
+    let (holds, fails) = (count(Verdict::Holds), count(Verdict::Fails));
+    let (class, words) = match (holds, fails) {
+        (0, 0) => ("open", "no verdict".to_owned()),
+        (_, 0) => ("holds", format!("{holds} hold")),
+        _ => ("fails", format!("{fails} of {} fail", holds + fails)),
+    };
+    html! { td class={ "whole " (class) } { (words) } }
 }
 
 fn rule() -> Markup {
@@ -249,7 +276,7 @@ fn rule() -> Markup {
 
 fn section(claim: &Measured) -> Markup {
     html! {
-        h3 id=(claim.id) { (claim.id) ". " (claim.statement) }
+        h3 id=(claim.id) { (claim.id) ". " (signs(claim.statement)) }
         p.source { (claim.source) " (" (standing(claim.standing)) ")" }
         .table { table {
             thead { tr {
@@ -281,7 +308,7 @@ fn row(finding: &Finding) -> Markup {
         td { (signs(finding.quantity)) }
         td { (signs(&expected(finding))) }
         td.whole { (signs(&measured(finding))) }
-        td.whole class=(class) {
+        td class={ "whole " (class) } {
             (verdict)
             @if verdict == Verdict::Fails { p.note { (signs(&reason(finding))) } }
         }
@@ -320,7 +347,7 @@ mod tests {
         assert_eq!(wrong.tally, Tally { fails: 1, not_measured: 1, ..Tally::default() });
         assert!(text(&wrong).contains("M3 fails: disk, N = 1 to 9; 249.5 standard errors"));
         let page = render(&wrong, &[], false);
-        assert!(page.contains(r#"class="whole fails""#) && page.contains("1 fail,"), "{page}");
+        assert!(page.contains(r#"class="whole fails""#) && page.contains("1 of 1 fail"), "{page}");
         assert!(!render(&right, &[], false).contains(r#"class="whole fails""#));
         assert!(csv(&wrong).contains(",2,0,1.501,0.002,") && csv(&wrong).contains(",fails,"));
     }
