@@ -1,7 +1,7 @@
 //! The acceptance table of the literature as one HTML page, as CSV, and as text.
 
 use super::page::{self, Figure, signs};
-use crate::table::{Align, columns, number, with_error};
+use crate::table::{Align, columns, number, short, with_error};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde::Serialize;
 use stratcore::literature::{BOUND, Effort, Finding, Measured, Relation, Standing, Verdict};
@@ -87,14 +87,14 @@ fn expected(finding: &Finding) -> String {
     };
     let allowed = match finding.allowance {
         0.0 => String::new(),
-        allowance => format!(", allowing {}", number(allowance, 2)),
+        allowance => format!(", allowing {}", short(allowance, 2)),
     };
     format!("{sign}{}{allowed}", plain(value))
 }
 
-/// A chosen number: whole ones as they are, others to five digits.
+/// A number that has no noise.
 fn plain(value: f64) -> String {
-    if value == value.round() && value.abs() < 1e6 { format!("{value}") } else { number(value, 5) }
+    short(value, 5)
 }
 
 fn measured(finding: &Finding) -> String {
@@ -266,8 +266,8 @@ fn rule() -> Markup {
         p {
             "A row holds where the measured number is within " (BOUND) " standard errors of the "
             "expected one, plus the allowance printed with it, and where every comparison behind "
-            "it holds at a bound that they share. A true row is beyond that once in 2,150 times: "
-            "one seed in 20 or so shows a false failure somewhere. An allowance says how far a "
+            "it holds at a bound that they share. A true row is beyond that once in 2,150 times, so "
+            "that one seed in ten shows a false failure somewhere. An allowance says how far a "
             "limit for large N may be from the truth at the N tried; where exact variances exist "
             "it is their own distance, and measured variances are held against them at each N."
         }

@@ -3,8 +3,8 @@
 use super::constants::{range, words};
 use super::finding::{Curve, Figure, Finding, Relation, Slope};
 use super::lab::{
-    Lab, cells, exact_exponent, exponent_of, exponent_of_averages, exponent_row, integrand, powers,
-    ratios, with_checks,
+    Lab, allowing_exact, cells, exact_exponent, exponent_of, exponent_of_averages, exponent_row,
+    integrand, powers, ratios, with_checks,
 };
 use super::shapes::Line;
 use super::{Claim, LiteratureError, Standing};
@@ -105,10 +105,7 @@ fn against_exact(
     let Some(exact) = exact_exponent(counts, law).filter(|p| p.is_finite()) else {
         return Ok(finding);
     };
-    // Rounding is no distance.
-    let distance = Some((exact - expected).abs()).filter(|d| *d > 1e-6).unwrap_or(0.0);
-    let why = format!("the exact variances at these N fit to p = {exact:.4}");
-    Ok(Finding { checks: ratios(&result.rows, law), ..finding }.allowing(distance, why))
+    Ok(allowing_exact(Finding { checks: ratios(&result.rows, law), ..finding }, exact))
 }
 
 fn random(lab: &mut Lab<'_>) -> Outcome {
