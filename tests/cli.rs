@@ -192,9 +192,17 @@ fn a_pixel_study_keeps_the_promised_json() {
             (&1.into(), &16.into(), &4.into())
         );
         assert_eq!(sampler["exact"], false);
-        assert!(sampler["predicted"].is_f64());
     }
     assert!(samplers[1]["class"].is_string());
+    let prediction = |s: &Value| [&s["predicted"], &s["predicted_from"]].map(Clone::clone);
+    assert_eq!(prediction(&samplers[0]), [1.0.into(), "integrand".into()]);
+    // Theory for the class that was measured; nothing where the class is unsure.
+    assert_eq!(samplers[1]["class_is_sure"], true);
+    assert_eq!(prediction(&samplers[1]), [1.5.into(), "class".into()]);
+    let study = json(&["pixel", &quad, "--at", "4,3", "--trials", "5", "--counts", "1..4^2"]);
+    let unsure = &study["samplers"][1];
+    assert_eq!(unsure["class_is_sure"], false);
+    assert_eq!(prediction(unsure), [Value::Null, Value::Null]);
 }
 
 #[test]

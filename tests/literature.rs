@@ -28,7 +28,7 @@ fn exact_constants_hold() {
 /// The same rows with an expectation that is wrong by a tenth, or an exponent by as much.
 #[test]
 fn a_planted_wrong_expectation_fails() {
-    for id in ["K2", "K3", "K7", "K10", "F1", "M4"] {
+    for id in ["K2", "K7", "K10", "F1", "M4"] {
         for mut finding in measure(id).findings {
             let Some(expected) = finding.expected.filter(|e| *e > 0.0) else { continue };
             assert_eq!(finding.verdict(), Verdict::Holds, "{id}: {finding:#?}");
@@ -45,7 +45,7 @@ fn a_planted_wrong_expectation_fails() {
 
 #[test]
 fn no_number_depends_on_the_threads_or_on_other_claims() {
-    for id in ["K7", "F1", "B1"] {
+    for id in ["K7", "F1"] {
         let [one, two] = [1, 2].map(|threads| with_threads(Some(threads), || measure(id)));
         assert_eq!(one, two, "{id}");
     }

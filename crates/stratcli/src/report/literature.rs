@@ -1,7 +1,7 @@
 //! The acceptance table of the literature as one HTML page, as CSV, and as text.
 
 use super::page::{self, Figure, signs};
-use crate::table::{Align, columns, number, with_error};
+use crate::table::{Align, columns, number, short, with_error};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde::Serialize;
 use stratcore::literature::{BOUND, Effort, Finding, Measured, Relation, Standing, Verdict};
@@ -87,14 +87,14 @@ fn expected(finding: &Finding) -> String {
     };
     let allowed = match finding.allowance {
         0.0 => String::new(),
-        allowance => format!(", allowing {}", number(allowance, 2)),
+        allowance => format!(", allowing {}", short(allowance, 2)),
     };
     format!("{sign}{}{allowed}", plain(value))
 }
 
-/// A chosen number: whole ones as they are, others to five digits.
+/// A number that has no noise.
 fn plain(value: f64) -> String {
-    if value == value.round() && value.abs() < 1e6 { format!("{value}") } else { number(value, 5) }
+    short(value, 5)
 }
 
 fn measured(finding: &Finding) -> String {
@@ -218,6 +218,8 @@ pub fn render(table: &Table, figures: &[Figure], report: bool) -> String {
                         figcaption { (figure.caption) }
                     }
                 } }
+                h2 { "Overview" }
+                (overview(table))
                 h2 { "Claims" }
                 (rule())
                 @for claim in &table.claims { (section(claim)) }
@@ -234,13 +236,38 @@ pub fn render(table: &Table, figures: &[Figure], report: bool) -> String {
     page.into_string()
 }
 
+/// A line for each claim, with how its rows ended.
+fn overview(table: &Table) -> Markup {
+    html! { .table { table {
+        thead { tr { th { "" } th { "Claim" } th { "Source" } th { "Rows" } } }
+        tbody { @for claim in &table.claims { tr {
+            td.whole { a href={ "#" (claim.id) } { (claim.id) } }
+            td { (signs(claim.statement)) }
+            td { (claim.source) }
+            (ending(&claim.findings))
+        } } }
+    } } }
+}
+
+/// How many rows hold of those that have a verdict.
+fn ending(findings: &[Finding]) -> Markup {
+    let count = |verdict| findings.iter().filter(|f| f.verdict() == verdict).count();
+    let (holds, fails) = (count(Verdict::Holds), count(Verdict::Fails));
+    let (class, words) = match (holds, fails) {
+        (0, 0) => ("open", "no verdict".to_owned()),
+        (_, 0) => ("holds", format!("{holds} hold")),
+        _ => ("fails", format!("{fails} of {} fail", holds + fails)),
+    };
+    html! { td class={ "whole " (class) } { (words) } }
+}
+
 fn rule() -> Markup {
     html! {
         p {
             "A row holds where the measured number is within " (BOUND) " standard errors of the "
             "expected one, plus the allowance printed with it, and where every comparison behind "
-            "it holds at a bound that they share. A true row is beyond that once in 2,150 times: "
-            "one seed in 20 or so shows a false failure somewhere. An allowance says how far a "
+            "it holds at a bound that they share. A true row is beyond that once in 2,150 times, so "
+            "that one seed in ten shows a false failure somewhere. An allowance says how far a "
             "limit for large N may be from the truth at the N tried; where exact variances exist "
             "it is their own distance, and measured variances are held against them at each N."
         }
@@ -249,7 +276,7 @@ fn rule() -> Markup {
 
 fn section(claim: &Measured) -> Markup {
     html! {
-        h3 id=(claim.id) { (claim.id) ". " (claim.statement) }
+        h3 id=(claim.id) { (claim.id) ". " (signs(claim.statement)) }
         p.source { (claim.source) " (" (standing(claim.standing)) ")" }
         .table { table {
             thead { tr {
@@ -281,7 +308,7 @@ fn row(finding: &Finding) -> Markup {
         td { (signs(finding.quantity)) }
         td { (signs(&expected(finding))) }
         td.whole { (signs(&measured(finding))) }
-        td.whole class=(class) {
+        td class={ "whole " (class) } {
             (verdict)
             @if verdict == Verdict::Fails { p.note { (signs(&reason(finding))) } }
         }
@@ -320,7 +347,7 @@ mod tests {
         assert_eq!(wrong.tally, Tally { fails: 1, not_measured: 1, ..Tally::default() });
         assert!(text(&wrong).contains("M3 fails: disk, N = 1 to 9; 249.5 standard errors"));
         let page = render(&wrong, &[], false);
-        assert!(page.contains(r#"class="whole fails""#) && page.contains("1 fail,"), "{page}");
+        assert!(page.contains(r#"class="whole fails""#) && page.contains("1 of 1 fail"), "{page}");
         assert!(!render(&right, &[], false).contains(r#"class="whole fails""#));
         assert!(csv(&wrong).contains(",2,0,1.501,0.002,") && csv(&wrong).contains(",fails,"));
     }

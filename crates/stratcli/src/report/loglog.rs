@@ -35,7 +35,7 @@ pub fn draw(figure: &Figure) -> Svg {
         if from < to {
             svg.line([x.at(from), y.at(law(from))], [x.at(to), y.at(law(to))], dashed);
             let cut = to < x_range[1];
-            let beside = if cut { [-6.0, 14.0] } else { [7.0, 4.0] };
+            let beside = if cut { [7.0, -6.0] } else { [7.0, 4.0] };
             let at = [x.at(to) + beside[0], y.at(law(to)) + beside[1]];
             svg.text(at, plain(SMALL, MUTED), slope.name);
         }

@@ -4,8 +4,8 @@ use serde::{Serialize, Serializer};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Standard errors that a measured number may be away from the expected one: a true row of
-/// normal noise is beyond them once in 2,150 times, so that a table of 100 true rows shows a
-/// false failure for one seed in 20.
+/// normal noise is beyond them once in 2,150 times, so that a table of 200 true rows shows a
+/// false failure for one seed in ten.
 pub const BOUND: f64 = 3.5;
 
 /// How the measured number should lie to the expected one.

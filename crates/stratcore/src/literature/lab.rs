@@ -351,6 +351,14 @@ pub(super) fn exponent_of_averages(case: &str, averages: &[Average], expected: f
     exponent_row(case, power_law(rows).as_ref(), expected)
 }
 
+/// A row on an exponent with the distance that exact variances keep from it at these N.
+pub(super) fn allowing_exact(finding: Finding, exact: f64) -> Finding {
+    let distance = (exact - finding.expected.unwrap_or(exact)).abs();
+    // Rounding is no distance.
+    let distance = if distance > 1e-6 { distance } else { 0.0 };
+    finding.allowing(distance, format!("the exact variances at these N fit to p = {exact:.4}"))
+}
+
 /// The exponent that an exact law fits to at these N, without noise.
 pub(super) fn exact_exponent(counts: &[u64], law: impl Fn(u64) -> f64) -> Option<f64> {
     power_law(counts.iter().map(|n| (*n, law(*n), 1.0))).map(|fit| fit.exponent)

@@ -3,8 +3,8 @@
 use super::constants::range;
 use super::finding::{Check, Finding};
 use super::lab::{
-    Lab, cells, exact_exponent, exponent_of, exponent_of_averages, integrand, powers, ratios,
-    with_checks,
+    Lab, allowing_exact, cells, exact_exponent, exponent_of, exponent_of_averages, integrand,
+    powers, ratios, with_checks,
 };
 use super::samplers::MultiJittered;
 use super::shapes::{Circle, Interaction, Line, PairSum, Pulse, Wave};
@@ -212,11 +212,9 @@ fn worst_and_best(lab: &mut Lab<'_>) -> Outcome {
     for (sampler, expected) in [("random", [1.0, 1.0]), ("jittered", [1.5, 2.0])] {
         for (case, f, p) in [("disk", &disk, expected[0]), ("gaussian", &gaussian, expected[1])] {
             let row = lab.exponent(&format!("{sampler}, {case}"), &**f, sampler, &counts, p)?;
-            let exact =
-                exact_exponent(&counts, |n| f.exact_variance(sampler, n).unwrap_or(f64::NAN));
-            let exact = exact.unwrap_or(f64::NAN);
-            let why = format!("finite N: the exact variances fit to {exact:.4}");
-            lab.push(row.allowing((exact - p).abs(), why));
+            let law = |n| f.exact_variance(sampler, n).unwrap_or(f64::NAN);
+            let exact = exact_exponent(&counts, law).unwrap_or(f64::NAN);
+            lab.push(allowing_exact(row, exact));
         }
     }
     let counts = powers(4, 3..=5);
