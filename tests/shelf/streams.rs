@@ -12,6 +12,11 @@ fn checksum(points: &[f64]) -> u64 {
     })
 }
 
+/// Whether its points are sought by a rule that takes seconds for many.
+fn is_sought(set: Set) -> bool {
+    ["annealed", "best-candidate", "poisson"].contains(&set.sampler.name())
+}
+
 /// Sets of every sampler and scramble, small and large, and the runs of them that are summed.
 fn summed_runs() -> Vec<(Set, u64, usize)> {
     let mut runs = Vec::new();
@@ -20,13 +25,11 @@ fn summed_runs() -> Vec<(Set, u64, usize)> {
             for (n, dim) in
                 [(1, 2), (13, 1), (64, 2), (64, 5), (256, 2), (1000, 3), (70_000, 2), (1 << 32, 2)]
             {
-                // Patterns and lattices that are sought take seconds.
-                let sought = ["annealed", "best-candidate", "poisson"].contains(&sampler.name());
                 let Ok(n) = count_used(*sampler, n, dim, CountPolicy::Snap) else { continue };
-                if sought && n > 64 {
+                let set = Set { trial: 3, ..Set::new(*sampler, scramble, n, dim) };
+                if is_sought(set) && n > 64 {
                     continue;
                 }
-                let set = Set { trial: 3, ..Set::new(*sampler, scramble, n, dim) };
                 let len = n.min(1000);
                 runs.push((set, n - len, len as usize));
             }
@@ -35,10 +38,10 @@ fn summed_runs() -> Vec<(Set, u64, usize)> {
     runs
 }
 
-/// The streams' published definition: point sets are those of version 0.1.0, bit for bit. A
+/// The streams' published definition: point sets are those of the first version, bit for bit. A
 /// change is a new definition, for the changelog; `print_the_sums` makes the file.
 #[test]
-fn point_sets_are_those_of_all_versions() {
+fn point_sets_are_those_of_the_first_version() {
     let mut known = include_str!("streams.csv").lines().skip(1);
     for (set, first, len) in summed_runs() {
         let sum = checksum(&set.fill(first, len));
@@ -66,10 +69,13 @@ fn print_the_sums() {
 #[test]
 fn every_instruction_set_makes_the_same_bits() {
     for dim in [1, 2, 3, 4, 7] {
-        for n in [1, 7, 64, 65, 150, 1024] {
+        for n in [1, 7, 65, 150, 1024] {
             for set in every_set(n, dim) {
-                for first in [0, 1, 13, 63, 64, 100, 900] {
-                    for len in [1, 2, 8, 15, 17, 64, 129] {
+                if is_sought(set) && n > 150 {
+                    continue;
+                }
+                for first in [0, 1, 13, 63, 64, 100] {
+                    for len in [1, 2, 15, 17, 64, 129] {
                         let len = len.min(set.n.saturating_sub(first)) as usize;
                         let plain = set.fill_with(Isa::BASELINE, first, len);
                         for isa in Isa::available() {
@@ -108,15 +114,15 @@ fn every_digit_is_random() {
     const TRIALS: u32 = 800;
     for n in [16, (1 << 32) - 1] {
         for set in every_random_set(n, 2) {
-            let sought = ["annealed", "best-candidate", "poisson"].contains(&set.sampler.name());
-            if sought && set.n > 64 {
+            if is_sought(set) && set.n > 64 {
                 continue;
             }
             let digits = if set.scramble == Scramble::OwenHash { 32 } else { 48 };
-            // A coordinate in the lower half keeps 53 digits after its leading one.
             let mut ones = [[0u32; 2]; 48];
             for trial in 0..TRIALS {
-                let point = Set { trial, ..set }.fill(u64::from(trial) % set.n, 1);
+                // Any index: some axes lie in the order of the points.
+                let index = (u64::from(trial).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 31) % set.n;
+                let point = Set { trial, ..set }.fill(index, 1);
                 for (axis, x) in point.iter().enumerate() {
                     let bits = (x * 2f64.powi(48)) as u64;
                     for (digit, ones) in ones.iter_mut().enumerate() {
