@@ -4,10 +4,12 @@
 mod estimates;
 mod reference;
 mod strata;
+mod streams;
 mod traps;
 
 use stratcore::rng::StreamKey;
 use stratcore::sampler::{CountPolicy, PointSet, SHELF, Sampler, Scramble, by_name, count_used};
+use stratcore::simd::Isa;
 
 /// Names one set, with defaults that tests change.
 #[derive(Clone, Copy)]
@@ -31,6 +33,10 @@ impl Set {
     }
 
     fn fill(self, first: u64, len: usize) -> Vec<f64> {
+        self.fill_with(Isa::detect(), first, len)
+    }
+
+    fn fill_with(self, isa: Isa, first: u64, len: usize) -> Vec<f64> {
         let key = StreamKey {
             seed: self.seed,
             pixel: self.pixel,
@@ -40,7 +46,7 @@ impl Set {
         };
         let set = PointSet { key, dim: self.dim, scramble: self.scramble, rectangular: true };
         let mut points = vec![0.0; len * self.dim];
-        self.sampler.points(&set).fill(first, &mut points);
+        self.sampler.points(&set).fill_with(isa, first, &mut points);
         points
     }
 

@@ -1,7 +1,15 @@
 //! Faults of other tools, one test each, named after the fault.
 
 use crate::{Set, every_random_set, every_set, variance};
-use stratcore::sampler::{SHELF, Scramble, by_name, check};
+use std::process::Command;
+use std::sync::atomic::AtomicBool;
+use stratcore::integrand;
+use stratcore::rng::StreamKey;
+use stratcore::sampler::{CountPolicy, PointSet, Random, SHELF, Sampler, Scramble, by_name, check};
+use stratcore::scene::{self, Channel, Light, Material, Mesh};
+use stratcore::study::{Control, StudyPlan};
+use stratcore::trace::{TracedScene, Tracer};
+use stratcore::trial::trial_means;
 
 /// A torus shift that nobody asked for makes jitter on a smooth, non-periodic integrand read
 /// p = 3/2 instead of 2: the shifted border cuts strata like an edge. For f = x + y the exact
@@ -165,4 +173,123 @@ fn trap_neighbouring_pixels_that_share_or_ignore_their_strata() {
     assert!((z_one / one - 1.0).abs() < 0.23, "{z_one} {one}");
     assert!((four / one * 4.0 - 1.0).abs() < 0.23, "{four} {one}");
     assert!(z_four < 0.3 * four, "{z_four} {four}");
+}
+
+/// A variance with divisor M instead of M - 1: at M = 2 it is half as large.
+#[test]
+fn trap_divisor_m() {
+    let spread = stratcore::variance::spread(&[1.0, 3.0]);
+    assert_eq!((spread.grand_mean, spread.variance_of_mean), (2.0, 2.0));
+}
+
+/// The first points of a larger set used as a smaller one: strata left empty, trials that share
+/// points. The points of each N are its own, for sequences too.
+#[test]
+fn trap_prefix_that_serves_as_a_smaller_set() {
+    for set in every_random_set(16, 2) {
+        let small = Set { n: 4, ..set };
+        if !set.sampler.admits(4, 2, false) {
+            continue;
+        }
+        let large = set.points();
+        for point in small.points().chunks(2) {
+            assert!(large.chunks(2).all(|p| p != point), "{set}");
+        }
+    }
+}
+
+/// Samples that meet nothing left out of the variance: at a silhouette, the very place where it
+/// is largest. A triangle of radiance 1 covers 0.3 of a pixel before a black background: the
+/// variance of single samples is 0.3 · 0.7. Of 4,000 Bernoulli trials s² has the standard
+/// deviation 0.0029; the bound is five of them.
+#[test]
+fn trap_misses_that_are_no_samples() {
+    let mut scene = scene::load("classic").unwrap();
+    scene.light = Light::Headlight;
+    (scene.ambient, scene.background) = ([0.0; 3], [0.0; 3]);
+    let pixel = [30, 40];
+    let frame = scene.camera.pixel(pixel);
+    let corners = [[0.3, -500.0], [0.3, 700.0], [-900.0, 0.5]];
+    let positions = corners.map(|[u, v]| scene.camera.eye + frame.direction(u, v)).to_vec();
+    scene.mesh =
+        Mesh { positions, triangles: vec![[0, 1, 2]], materials: vec![0], corner_normals: None };
+    scene.materials = vec![Material { name: String::new(), kd: [0.0; 3], ke: [1.0; 3] }];
+    for tracer in [Tracer::Beam, Tracer::Bvh] {
+        let scene = TracedScene::new(scene.clone()).with_tracer(tracer);
+        let sampler = Random.stream_id();
+        let key = StreamKey { seed: 1996, pixel, sampler, n_samples: 1, trial: 0 };
+        let set = PointSet { key, dim: 2, scramble: Scramble::None, rectangular: false };
+        let mut means = [0.0; 4000];
+        let integrand = scene.pixel(pixel, Channel::Luminance);
+        trial_means(&integrand, &Random, &set, 0, &mut means, &AtomicBool::new(false));
+        let measured = variance(&means);
+        assert!((measured - 0.21).abs() < 0.0145, "{measured}");
+    }
+}
+
+/// A prime N made one row of N strata without a word: the row says which strata it used.
+#[test]
+fn trap_strata_of_a_prime_count_unsaid() {
+    let plan = StudyPlan {
+        counts: vec![7, 12],
+        count_policy: CountPolicy::Rect,
+        n_trials: 2,
+        ..StudyPlan::paper()
+    };
+    let ramp = integrand::by_name("ramp", None, &[]).unwrap();
+    let result = stratcore::study(&*ramp, [0, 0], &plan, Control::unwatched()).unwrap();
+    let strata: Vec<_> = result.samplers[1].rows.iter().map(|row| row.strata.clone()).collect();
+    assert_eq!(strata, [Some(vec![7, 1]), Some(vec![4, 3])]);
+}
+
+fn stratcli(arguments: &[&str]) -> serde_json::Value {
+    let output = Command::new(env!("CARGO_BIN_EXE_stratcli")).args(arguments).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+/// A tool that edits the scene file to set the number of samples: two runs at once spoil each
+/// other.
+#[test]
+fn trap_scene_file_that_is_edited() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("one.obj");
+    let text = "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n";
+    std::fs::write(&path, text).unwrap();
+    let scene = path.to_str().unwrap();
+    stratcli(&["pixel", scene, "--at", "9,9", "--counts", "1,4", "--trials", "3", "--json"]);
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+    assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1);
+}
+
+/// A seed drawn from the machine and told to nobody; a file called one thing that holds
+/// another: a variance that is per sample, a mean square that is a variance, a ratio to the mean
+/// that should be to its square. What is written says which seed, and has no such names.
+#[test]
+fn trap_seeds_untold_and_numbers_mislabelled() {
+    let arguments = ["integrand", "step", "--counts", "1,4", "--trials", "5", "--json"];
+    let result = stratcli(&arguments);
+    assert_eq!(result, stratcli(&arguments));
+    assert_eq!(result["seed"], 1996);
+    let row = result["samplers"][0]["rows"][0].as_object().unwrap();
+    assert!(row.contains_key("variance_of_mean"), "{row:?}");
+    for vague in ["variance", "error", "mse", "rmse", "relative_variance"] {
+        assert!(!row.contains_key(vague), "{vague}");
+    }
+}
+
+/// Squares of some discrepancies among roots of others: functions that give squares say so in
+/// their names, and what is asked for by name are roots.
+#[test]
+fn trap_squares_among_discrepancies() {
+    use stratcore::discrepancy::{Measure, centred_sq, l2_star_sq, mixture_sq, wrap_around_sq};
+    let points = Set::named("random", Scramble::None, 20, 2).points();
+    for (measure, square) in [
+        (Measure::L2Star, l2_star_sq(&points, 2)),
+        (Measure::Centred, centred_sq(&points, 2)),
+        (Measure::WrapAround, wrap_around_sq(&points, 2)),
+        (Measure::Mixture, mixture_sq(&points, 2)),
+    ] {
+        assert_eq!(measure.of(&points, 2), square.sqrt(), "{}", measure.name());
+    }
 }

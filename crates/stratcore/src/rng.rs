@@ -265,6 +265,13 @@ mod tests {
         assert_ne!(stream.pair(7), stream.pair(7 + (1 << 32)));
     }
 
+    #[test]
+    fn extreme_words_stay_in_range() {
+        assert_eq!(unit_pair([0; 3]), [0.0; 2]);
+        assert_eq!(unit_pair([u32::MAX; 3]), [1.0 - 2f64.powi(-48); 2]);
+        assert_eq!(unit_pair([1 << 31, 0, 1 << 16]), [0.5, 2f64.powi(-48)]);
+    }
+
     /// Pearson's chi-square over 16 x 16 cells of a million pairs in one stream, and over the
     /// first pair of a million streams. 255 degrees of freedom: mean 255, standard deviation
     /// 22.6; the bounds are 5.5 standard deviations away, one false alarm in 10^7.

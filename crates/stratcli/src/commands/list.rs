@@ -8,7 +8,7 @@ use anyhow::Result;
 use serde::Serialize;
 use stratcore::discrepancy::Measure;
 use stratcore::integrand::{CATALOGUE, IntegrandInfo, ParamInfo};
-use stratcore::sampler::{Facts, SHELF, Sampler, Scramble};
+use stratcore::sampler::{Facts, Kind, SHELF, Sampler, Scramble};
 use stratcore::scene::library::SCENES;
 
 #[derive(Serialize)]
@@ -16,6 +16,9 @@ struct SamplerEntry {
     name: &'static str,
     summary: &'static str,
     source: &'static str,
+    kind: Kind,
+    /// None where there is no limit.
+    max_dim: Option<usize>,
     scrambles: &'static [Scramble],
 }
 
@@ -81,8 +84,9 @@ pub fn run(args: &ListArgs, common: &Common) -> Result<Outcome> {
 
 fn samplers() -> Vec<SamplerEntry> {
     let entry = |s: &&dyn Sampler| {
-        let Facts { name, summary, source, scrambles, .. } = s.facts();
-        SamplerEntry { name, summary, source, scrambles }
+        let Facts { name, summary, source, kind, max_dim, scrambles, .. } = s.facts();
+        let max_dim = (max_dim < usize::MAX).then_some(max_dim);
+        SamplerEntry { name, summary, source, kind, max_dim, scrambles }
     };
     SHELF.iter().map(entry).collect()
 }

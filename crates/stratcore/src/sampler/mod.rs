@@ -95,7 +95,8 @@ pub fn by_name(name: &str) -> Result<&'static dyn Sampler, StudyError> {
 }
 
 /// Whether a prefix of the points may serve as a smaller set.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Kind {
     /// Made for one N; a prefix has no promised property.
     Set,
@@ -142,7 +143,7 @@ pub struct Facts {
     pub stream_id: u8,
     /// Set or sequence.
     pub kind: Kind,
-    /// Largest dimension it is defined for.
+    /// Largest dimension it is defined for; [`usize::MAX`] for any.
     pub max_dim: usize,
     /// Scrambles it takes; the first is its default.
     pub scrambles: &'static [Scramble],

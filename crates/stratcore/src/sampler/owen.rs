@@ -256,6 +256,12 @@ mod tests {
     }
 
     #[test]
+    fn extreme_digits_stay_in_range() {
+        assert_eq!(cell_centre(0), 2f64.powi(-33));
+        assert_eq!(cell_centre(u32::MAX), 1.0 - 2f64.powi(-33));
+    }
+
+    #[test]
     fn levels_tell_points_apart() {
         assert_eq!([1, 2, 3, 4, 5, 1 << 32].map(levels), [1, 1, 2, 2, 3, 32]);
     }

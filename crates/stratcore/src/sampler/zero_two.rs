@@ -65,7 +65,7 @@ impl ZeroTwo {
         }
         let (mut xs, mut ys) = ([0; BLOCK], [0; BLOCK]);
         for (index, (x, y)) in indices.iter_mut().zip(xs.iter_mut().zip(&mut ys)) {
-            *index += self.start;
+            *index = index.wrapping_add(self.start);
             [*x, *y] = mirrored_point(*index);
         }
         let mut block = [[0.0; BLOCK]; 2];
