@@ -7,13 +7,13 @@ mod common;
 
 use anyhow::{Context, Result};
 use clap::Parser;
-use common::{lattice, protocol};
+use common::{lattice, n_samples, protocol};
 use std::collections::BTreeMap;
 use std::io::{Write, stdout};
 use std::time::Instant;
 use stratcore::exact::{Grids, TOLERANCE};
 use stratcore::scene::{Channel, Scene, load};
-use stratcore::study::{Control, SamplerChoice, study, with_threads};
+use stratcore::study::{Control, SamplerChoice, StudyPlan, study, with_threads};
 use stratcore::trace::{PixelIntegrand, TracedScene};
 
 #[derive(Parser)]
@@ -21,7 +21,7 @@ struct Args {
     /// Scene: a built-in name, or a .toml or .obj file; may be given again
     #[arg(long, default_values = ["classic", "classic-shadows", "edges", "grass"])]
     scene: Vec<String>,
-    /// Pixels along each side of the picture; the scene's own aspect does not matter here
+    /// Pixels along each side of the picture, whatever the scene says
     #[arg(long, default_value_t = 512)]
     resolution: u32,
     /// Pixels per axis of the lattice
@@ -37,16 +37,19 @@ struct Args {
 
 fn main() -> Result<()> {
     let args = Args::parse();
+    let plan = protocol(SamplerChoice::named("jittered")?);
     writeln!(
         stdout(),
-        "{0} × {0} pixels, a lattice of {1} × {1}, one thread; µs a pixel, set-up included",
+        "{0} × {0} pixels, a lattice of {1} × {1}, one thread; µs a pixel, set-up included; \
+         sampled: {2} jittered samples",
         args.resolution,
-        args.side
+        args.side,
+        n_samples(&plan)
     )?;
     for name in &args.scene {
         let mut scene = load(name)?;
         scene.camera.resolution = [args.resolution; 2];
-        with_threads(Some(1), || measure(scene, &args)).with_context(|| name.clone())?;
+        with_threads(Some(1), || measure(scene, &plan, &args)).with_context(|| name.clone())?;
     }
     Ok(())
 }
@@ -61,8 +64,8 @@ struct Times {
     patches: usize,
 }
 
-fn measure(scene: Scene, args: &Args) -> Result<()> {
-    let (name, plan) = (scene.name.clone(), protocol(SamplerChoice::named("jittered")?));
+fn measure(scene: Scene, plan: &StudyPlan, args: &Args) -> Result<()> {
+    let name = scene.name.clone();
     let grids = Grids::new(&plan.counts)?;
     let traced = TracedScene::new(scene);
     let mut reasons: BTreeMap<String, u32> = BTreeMap::new();
@@ -74,7 +77,7 @@ fn measure(scene: Scene, args: &Args) -> Result<()> {
         for _ in 0..args.rounds {
             let start = Instant::now();
             let integrand = traced.pixel(pixel, Channel::Luminance);
-            study(&integrand, pixel, &plan, Control::unwatched())?;
+            study(&integrand, pixel, plan, Control::unwatched())?;
             times.sampled = times.sampled.min(start.elapsed().as_secs_f64() * 1e6);
 
             let start = Instant::now();

@@ -205,6 +205,37 @@ fn a_pixel_study_keeps_the_promised_json() {
     assert_eq!(prediction(unsure), [Value::Null, Value::Null]);
 }
 
+/// The quad's right side cuts the pixel: both samplers are known, halton has to be measured.
+#[test]
+fn an_exact_study_says_how_each_sampler_was_obtained() {
+    let scenes = Scenes::new();
+    let quad = scenes.spec("quad.toml");
+    let samplers = "random,jittered,halton";
+    let arguments = ["pixel", &quad, "--at", "4,3", "--exact", "--samplers", samplers];
+    let study = json(&[&arguments[..], &["--counts", "1..4^2", "--trials", "5"]].concat());
+    for sampler in &study["samplers"].as_array().unwrap()[..2] {
+        assert_eq!(sampler["method"], "exact");
+        assert!(sampler.get("unresolved").is_none());
+        for row in sampler["rows"].as_array().unwrap() {
+            let value = &row["variance_of_mean"];
+            assert!(value.as_f64().unwrap() > 0.0);
+            assert_eq!((&row["lo"], &row["hi"], &row["var_ln"]), (value, value, &0.0.into()));
+            assert_eq!(row["grand_mean"], study["reference"]["mean"]);
+        }
+        assert_eq!(sampler["fit"]["std_error"], 0.0);
+        assert!(sampler["fit"]["chi2"].is_null());
+    }
+    let halton = &study["samplers"][2];
+    assert_eq!(halton["method"], "trials");
+    assert!(halton["unresolved"].as_str().unwrap().contains("random and jittered"));
+
+    let text = stratcli(&["pixel", &quad, "--at", "4,3", "--exact"]).stdout;
+    assert!(text.contains("no random numbers") && !text.contains("95 %"), "{text}");
+    let by_rays = ["pixel", &quad, "--at", "4,3", "--exact", "--tracer", "bvh", "--trials", "3"];
+    let text = stratcli(&by_rays).stdout;
+    assert!(text.contains("by trials: the pixel is traced by rays"), "{text}");
+}
+
 #[test]
 fn an_integrand_brings_its_exact_numbers() {
     let study = json(&["integrand", "ramp", "--dim", "3", "--trials", "10", "--counts", "1..3^3"]);
