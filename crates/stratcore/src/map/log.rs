@@ -34,7 +34,8 @@ impl TileLog {
         resume: bool,
     ) -> Result<Self, RecordError> {
         let fail = |fault: RecordFault| fault.of(path);
-        let system = |action| move |error| RecordFault::Io(action, error).of(path);
+        let read = |error| fail(RecordFault::Read(error));
+        let write = |error| fail(RecordFault::Write(error));
         let mut options = OpenOptions::new();
         let mut file = options
             .read(true)
@@ -42,7 +43,7 @@ impl TileLog {
             .create(true)
             .truncate(false)
             .open(path)
-            .map_err(system("write"))?;
+            .map_err(write)?;
         let unlocked = match file.try_lock() {
             Ok(()) => false,
             Err(TryLockError::WouldBlock) => return Err(fail(RecordFault::Locked)),
@@ -52,14 +53,14 @@ impl TileLog {
         let mut set = TileSet::empty(header.plan.clone());
         set.files.push(path.to_owned());
         let mut start = Vec::new();
-        (&file).take(first_bytes.len() as u64).read_to_end(&mut start).map_err(system("read"))?;
+        (&file).take(first_bytes.len() as u64).read_to_end(&mut start).map_err(read)?;
         let len = if first_bytes.starts_with(&start) && start.len() < first_bytes.len() {
             // New, or killed before the header was written.
-            file.set_len(0).and_then(|()| file.rewind()).map_err(system("write"))?;
-            file.write_all(&first_bytes).map_err(system("write"))?;
+            file.set_len(0).and_then(|()| file.rewind()).map_err(write)?;
+            file.write_all(&first_bytes).map_err(write)?;
             first_bytes.len() as u64
         } else {
-            file.rewind().map_err(system("read"))?;
+            file.rewind().map_err(read)?;
             let mut reader = BufReader::new(&file);
             let found = read_header(&mut reader).map_err(fail)?;
             let differences = header.plan.differences(&found.plan);
@@ -70,7 +71,7 @@ impl TileLog {
                 let (found, wanted) = (found.shard, header.shard);
                 return Err(fail(RecordFault::ForeignShard { found, wanted }));
             }
-            let scan = scan(&mut reader, &header.plan).map_err(system("read"))?;
+            let scan = scan(&mut reader, &header.plan).map_err(read)?;
             if !resume {
                 let finished = scan.frames.len();
                 return Err(fail(RecordFault::Unfinished { finished, total }));
@@ -78,8 +79,8 @@ impl TileLog {
             for (tile, at) in scan.frames {
                 set.places[tile] = Some((0, at));
             }
-            file.set_len(scan.end).map_err(system("write"))?;
-            file.seek(SeekFrom::Start(scan.end)).map_err(system("write"))?;
+            file.set_len(scan.end).map_err(write)?;
+            file.seek(SeekFrom::Start(scan.end)).map_err(write)?;
             scan.end
         };
         let file = Mutex::new((file, len));
@@ -94,7 +95,7 @@ impl TileLog {
         let frame = frame_bytes(tile, rows);
         let mut guard = self.file.lock().unwrap_or_else(PoisonError::into_inner);
         let (file, len) = &mut *guard;
-        file.write_all(&frame).map_err(|e| RecordFault::Io("write", e).of(&self.path))?;
+        file.write_all(&frame).map_err(|e| RecordFault::Write(e).of(&self.path))?;
         let at = *len;
         *len += frame.len() as u64;
         let mut set = self.set.lock().unwrap_or_else(PoisonError::into_inner);
@@ -105,10 +106,5 @@ impl TileLog {
     /// Looks at the finished tiles.
     pub fn with_set<R>(&self, look: impl FnOnce(&TileSet) -> R) -> R {
         look(&self.set.lock().unwrap_or_else(PoisonError::into_inner))
-    }
-
-    /// Where the file is.
-    pub fn path(&self) -> &Path {
-        &self.path
     }
 }

@@ -4,6 +4,7 @@ use super::digest::{Digest, hex};
 use super::region::{Region, Tiling};
 use crate::error::StudyError;
 use crate::integrand::Integrand as _;
+use crate::rng::StreamKey;
 use crate::sampler::{CountPolicy, Scramble};
 use crate::scene::{Channel, Light, Scene};
 use crate::study::StudyPlan;
@@ -147,6 +148,18 @@ impl Identity {
         hex(digest.finish())
     }
 
+    /// Whether its parts fit together, as those of a plan that was read from a file should.
+    pub(super) fn is_sound(&self) -> bool {
+        let n_counts = self.counts.len();
+        self.tile_side > 0
+            && self.resolution.iter().all(|side| *side <= StreamKey::MAX_PIXEL)
+            && self.region.check(self.resolution).is_ok()
+            && self.dim > 0
+            && n_counts > 0
+            && !self.samplers.is_empty()
+            && self.samplers.iter().all(|sampler| sampler.counts_used.len() == n_counts)
+    }
+
     /// What differs between two identities, in words; empty where nothing does.
     pub fn differences(&self, other: &Self) -> String {
         let [ours, theirs] =
@@ -238,6 +251,24 @@ mod tests {
             assert_ne!(base.hash(), other.hash(), "{key}");
             let words = base.differences(&other);
             assert!(words.contains(key), "{key}: {words}");
+        }
+    }
+
+    #[test]
+    fn a_plan_whose_parts_do_not_fit_is_unsound() {
+        let changes: [fn(&mut Identity); 6] = [
+            |plan| plan.tile_side = 0,
+            |plan| plan.region.x1 = plan.region.x0,
+            |plan| plan.resolution[0] = u32::MAX,
+            |plan| plan.counts.clear(),
+            |plan| plan.samplers.clear(),
+            |plan| plan.samplers[1].counts_used.truncate(3),
+        ];
+        assert!(identity(|_, _| ()).is_sound());
+        for change in changes {
+            let mut plan = identity(|_, _| ());
+            change(&mut plan);
+            assert!(!plan.is_sound(), "{plan:?}");
         }
     }
 

@@ -17,9 +17,12 @@ pub struct RecordError {
 /// What is wrong with a file of tiles.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordFault {
-    /// The system refused.
-    #[error("cannot {0} it: {1}; choose a folder that exists, can be written to and has room")]
-    Io(&'static str, io::Error),
+    /// The system refused to read.
+    #[error("cannot read it: {0}; give the path of a file of tiles")]
+    Read(io::Error),
+    /// The system refused to write.
+    #[error("cannot write it: {0}; choose a folder that exists, can be written to and has room")]
+    Write(io::Error),
     /// Another run is writing to it.
     #[error("another run is writing it; wait for that run to end, or choose another output")]
     Locked,
@@ -59,6 +62,9 @@ pub enum RecordFault {
         /// The file's shard.
         shard: Shard,
     },
+    /// A tile that was there is not there any more.
+    #[error("has changed since it was opened; leave it alone until the results are written")]
+    Changed,
     /// A tile that stands in another file, too.
     #[error("tile {tile} is also in {}; give each shard once", other.display())]
     Overlap {

@@ -43,7 +43,7 @@ impl Header {
         out: &mut dyn Write,
         path: &Path,
     ) -> Result<(), RecordError> {
-        let fail = |error| RecordFault::Io("write", error).of(path);
+        let fail = |error| RecordFault::Write(error).of(path);
         out.write_all(&header_bytes(self)).map_err(fail)?;
         for tile in set.tiles() {
             out.write_all(&frame_bytes(tile, &set.read(tile)?)).map_err(fail)?;
@@ -61,7 +61,7 @@ impl Header {
                 read_header(&mut BufReader::new(file)).map(Some).map_err(|fault| fault.of(path))
             }
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-            Err(error) => Err(RecordFault::Io("read", error).of(path)),
+            Err(error) => Err(RecordFault::Read(error).of(path)),
         }
     }
 }
@@ -78,7 +78,7 @@ pub(super) fn read_header(file: &mut impl BufRead) -> Result<Header, RecordFault
     const LONGEST: u64 = 1 << 20;
     let mut line = |longest| {
         let mut bytes = Vec::new();
-        file.take(longest).read_until(b'\n', &mut bytes).map_err(|e| RecordFault::Io("read", e))?;
+        file.take(longest).read_until(b'\n', &mut bytes).map_err(RecordFault::Read)?;
         Ok(bytes)
     };
     if line(FORMAT.len() as u64)? != FORMAT.as_bytes() {
@@ -86,7 +86,7 @@ pub(super) fn read_header(file: &mut impl BufRead) -> Result<Header, RecordFault
     }
     let json = line(LONGEST)?;
     let header: Header = serde_json::from_slice(&json).map_err(|_| RecordFault::NotTiles)?;
-    if header.plan.hash() != header.hash {
+    if header.plan.hash() != header.hash || !header.plan.is_sound() {
         return Err(RecordFault::NotTiles);
     }
     Ok(header)

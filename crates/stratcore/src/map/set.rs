@@ -32,14 +32,14 @@ impl TileSet {
         for path in paths {
             let fail = |fault: RecordFault| fault.of(path);
             let mut file =
-                BufReader::new(File::open(path).map_err(|e| RecordFault::Io("read", e).of(path))?);
+                BufReader::new(File::open(path).map_err(|e| RecordFault::Read(e).of(path))?);
             let header = read_header(&mut file).map_err(fail)?;
             let set = set.get_or_insert_with(|| Self::empty(header.plan.clone()));
             let differences = set.plan.differences(&header.plan);
             if !differences.is_empty() {
                 return Err(fail(RecordFault::ForeignPlan(differences)));
             }
-            let scan = scan(&mut file, &set.plan).map_err(|e| fail(RecordFault::Io("read", e)))?;
+            let scan = scan(&mut file, &set.plan).map_err(|e| fail(RecordFault::Read(e)))?;
             if scan.rest > 0 {
                 let (finished, shard) = (scan.frames.len(), header.shard);
                 return Err(fail(RecordFault::Damaged { finished, shard }));
@@ -118,8 +118,8 @@ impl TileSet {
         };
         match frame() {
             Ok(Some(rows)) => Ok(rows),
-            Ok(None) => Err(RecordFault::NotTiles.of(path)),
-            Err(error) => Err(RecordFault::Io("read", error).of(path)),
+            Ok(None) => Err(RecordFault::Changed.of(path)),
+            Err(error) => Err(RecordFault::Read(error).of(path)),
         }
     }
 }

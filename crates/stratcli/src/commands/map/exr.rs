@@ -81,7 +81,9 @@ impl ExrLayout {
                 .with_position(position)
                 .with_display_window(IntegerBounds::from_dimensions((full_width, full_height)))
                 .with_encoding(
-                    Compression::ZIP16,
+                    // Variances are noise to a compressor: deflate saves little more, and takes longer
+                    // than all the rest of this pass.
+                    Compression::RLE,
                     BlockDescription::Tiles(tiles),
                     LineOrder::Increasing,
                 );
