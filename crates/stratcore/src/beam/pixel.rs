@@ -257,6 +257,8 @@ fn visible_facets(scene: &Scene, bvh: &Bvh2, centred: &CentredFrame) -> Vec<Face
         (horizon.recip() * (1.0 + 1e-6)) as f32
     });
     facets.retain(|facet| facet.inverse_depth_range()[1] >= horizon * (1.0 - 1e-9));
+    let farthest_last = |facet: &Facet| -facet.inverse_depth_range()[1];
+    facets.sort_by(|a, b| farthest_last(a).total_cmp(&farthest_last(b)));
     facets
 }
 
@@ -267,6 +269,8 @@ fn facet_lanes(facet: &Facet) -> Facet32 {
     Facet32 {
         lanes: lanes([facet.edges[0], facet.edges[1], facet.edges[2], *w]),
         w_slack,
+        w_hi: facet.inverse_depth_range()[1] as f32 + 2.0 * w_slack,
+        rows: [-1.0, 1.0],
         ..Facet32::default()
     }
 }

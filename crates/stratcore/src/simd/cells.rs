@@ -1,6 +1,6 @@
 //! A pixel cut into a fixed grid, with what fills each cell.
 
-use super::kernel::Fill;
+use super::dissect::Fill;
 use super::types::Entry;
 
 /// What fills each cell of a grid over the pixel.

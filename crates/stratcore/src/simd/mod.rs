@@ -1,22 +1,29 @@
 //! Vector instructions, chosen at run time: the only module with `unsafe`.
 //!
-//! `kernel` holds the loops, on plain arrays. Here they are compiled once for each
+//! The loops are written once for any vector, in functions that must stay `inline(always)`.
+//! Here they are compiled once for each
 //! instruction set and once without any: that plain twin is what tests compare with, and what
 //! runs on a machine that has none of the others. All give the same bits.
 
 #![expect(unsafe_code, reason = "calling a function compiled for a CPU feature is unsafe")]
 
 mod cells;
-mod kernel;
+mod dissect;
+mod draw;
+mod raster;
+mod scatter;
+mod shader;
+mod strata;
 mod types;
 mod vector;
+mod visible;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
 use crate::rng::Stream;
 
 pub(crate) use cells::Cells;
-pub(crate) use kernel::Placement;
+pub(crate) use draw::Placement;
 pub(crate) use types::{
     Entry, Exact, Facet32, Ground, Lanes4, Pixel32, Rect, Shading, Strata, Work,
 };
@@ -74,14 +81,14 @@ impl Isa {
 
 /// Calls a kernel, for one vector, with the shader of the pixel.
 macro_rules! shaded {
-    ($vector:ty, $kernel:ident($pixel:expr $(, $argument:expr)*)) => {
+    ($vector:ty, $module:ident::$kernel:ident($pixel:expr $(, $argument:expr)*)) => {
         match $pixel.ground.shading {
-            Shading::Polynomial => kernel::$kernel::<Polynomial, $vector>($pixel $(, $argument)*),
+            Shading::Polynomial => $module::$kernel::<Polynomial, $vector>($pixel $(, $argument)*),
             Shading::WideHeadlight => {
-                kernel::$kernel::<WideHeadlight, $vector>($pixel $(, $argument)*)
+                $module::$kernel::<WideHeadlight, $vector>($pixel $(, $argument)*)
             }
-            Shading::Directional => kernel::$kernel::<Directional, $vector>($pixel $(, $argument)*),
-            Shading::Point => kernel::$kernel::<Point, $vector>($pixel $(, $argument)*),
+            Shading::Directional => $module::$kernel::<Directional, $vector>($pixel $(, $argument)*),
+            Shading::Point => $module::$kernel::<Point, $vector>($pixel $(, $argument)*),
         }
     };
 }
@@ -91,7 +98,9 @@ macro_rules! shaded {
 macro_rules! compiled_for {
     ($module:ident, $features:literal, $vector:ty) => {
         mod $module {
-            use super::kernel::{self, Directional, Group, Point, Polynomial, WideHeadlight};
+            use super::draw::Group;
+            use super::shader::{Directional, Point, Polynomial, WideHeadlight};
+            use super::{scatter, strata};
             use super::vector::Vector;
             use super::{Cells, Exact, Pixel32, Placement, Shading, Strata, Stream, Work};
 
@@ -100,14 +109,14 @@ macro_rules! compiled_for {
             #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
             pub(super) fn strata_sums(
                 pixel: &Pixel32,
-                strata: &Strata,
+                grid: &Strata,
                 streams: &[Stream],
                 sums: &mut [f64],
                 exact: Exact<'_>,
             ) {
                 let mut groups: Vec<Group<V>> = streams.chunks(V::LANES).map(Group::new).collect();
                 let mut work = Work::default();
-                shaded!(V, strata_sums(pixel, strata, &mut groups, &mut work, exact));
+                shaded!(V, strata::strata_sums(pixel, grid, &mut groups, &mut work, exact));
                 for (sums, group) in sums.chunks_mut(V::LANES).zip(&groups) {
                     sums.copy_from_slice(&V::sum_store(group.sum)[..sums.len()]);
                 }
@@ -124,7 +133,7 @@ macro_rules! compiled_for {
             ) {
                 let mut groups: Vec<Group<V>> = streams.chunks(V::LANES).map(Group::new).collect();
                 let n_trials = streams.len();
-                shaded!(V, scattered_sums(pixel, cells, placement, &mut groups, n_trials, exact));
+                shaded!(V, scatter::scattered_sums(pixel, cells, placement, &mut groups, n_trials, exact));
                 for (sums, group) in sums.chunks_mut(V::LANES).zip(&groups) {
                     sums.copy_from_slice(&V::sum_store(group.sum)[..sums.len()]);
                 }
@@ -139,12 +148,12 @@ macro_rules! compiled_for {
                 exact: Exact<'_>,
             ) {
                 let mut order = vec![0; values.len()];
-                shaded!(V, values_at(pixel, cells, positions, values, &mut order, exact));
+                shaded!(V, scatter::values_at(pixel, cells, positions, values, &mut order, exact));
             }
 
             #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
             pub(super) fn cells(pixel: &Pixel32, per_axis: u32) -> Cells {
-                shaded!(V, cells(pixel, per_axis))
+                shaded!(V, scatter::cells(pixel, per_axis))
             }
         }
     };

@@ -1,6 +1,7 @@
 //! What the kernels read and write, in f32 and in the order in which they want it.
 
-use super::vector::Extent;
+use super::raster::Probe;
+use super::vector::{Extent, MAX_LANES};
 use std::ops::Range;
 
 /// Four affine functions of the position (s, t) in the pixel, side by side: three edges and
@@ -19,6 +20,10 @@ pub(crate) struct Facet32 {
     pub lanes: Lanes4,
     /// Rounding of 1/t anywhere in the pixel.
     pub w_slack: f32,
+    /// Greatest 1/t in the pixel, at the least. Facets come in falling order of it.
+    pub w_hi: f32,
+    /// Reaches from row to row, t of the pixel, at the most.
+    pub rows: [f32; 2],
     /// Radiance as a polynomial c, s, t, ss, st, tt; under other shaders than the polynomial
     /// one only c counts, the part that needs no light.
     pub shade: [f32; 6],
@@ -152,6 +157,21 @@ impl Strata {
         [self.bounds[0][i as usize], self.bounds[1][j as usize]]
     }
 
+    /// The middle of a stratum.
+    #[inline(always)]
+    pub(super) fn middle(&self, i: u32, j: u32) -> [f32; 2] {
+        let middle = |axis: usize, at: u32| {
+            0.5 * (self.bounds[axis][at as usize] + self.bounds[axis][at as usize + 1])
+        };
+        [middle(0, i), middle(1, j)]
+    }
+
+    /// Half the width and height of a stratum.
+    #[inline(always)]
+    pub(super) fn half(&self) -> [f32; 2] {
+        self.per_axis.map(|k| 0.5 / k as f32)
+    }
+
     #[inline(always)]
     pub(super) fn extent(&self, rect: &Rect) -> Extent {
         let ends = |axis: usize, ends: [u32; 2]| ends.map(|end| self.bounds[axis][end as usize]);
@@ -172,4 +192,21 @@ pub(crate) struct Work {
     pub(super) entries: Vec<Entry>,
     pub(super) occluders: Vec<u32>,
     pub(super) stack: Vec<Rect>,
+    pub(super) probes: Vec<Probe>,
+    pub(super) records: Vec<Record>,
+    pub(super) strata: Vec<Entry>,
+    pub(super) strata_occluders: Vec<u32>,
+}
+
+/// Where a facet meets a vector of strata.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Record {
+    /// Its place in the tile's list.
+    pub entry: u32,
+    /// Bit l: it may be seen in stratum l.
+    pub strata: u32,
+    /// Bit l: it covers stratum l.
+    pub covers: u32,
+    /// Greatest 1/t in each stratum.
+    pub w_hi: [f32; MAX_LANES],
 }

@@ -1,0 +1,141 @@
+//! Samples that may lie anywhere in the pixel: sorted into the cells of a fixed grid.
+
+use super::dissect::{Fill, Visit, dissect};
+use super::draw::{Group, Placement};
+use super::shader::{Shader, affine};
+use super::types::Exact;
+use super::vector::{MAX_LANES, Vector};
+use super::visible::visible;
+use super::{Cells, Pixel32, Rect, Strata, Work};
+
+/// The dissection of the pixel into a fixed grid, for samples that may lie anywhere.
+#[inline(always)]
+pub(super) fn cells<S: Shader, V: Vector>(pixel: &Pixel32, per_axis: u32) -> Cells {
+    let strata = Strata::new([per_axis; 2]);
+    let mut cells = Cells::new(per_axis);
+    dissect::<S, V>(pixel, &strata, &mut Work::default(), &mut cells);
+    cells
+}
+
+impl Visit for Cells {
+    #[inline(always)]
+    fn visit(&mut self, _: &Pixel32, strata: &Strata, rect: &Rect, fill: Fill<'_>) {
+        for j in rect.j[0]..rect.j[1] {
+            for i in rect.i[0]..rect.i[1] {
+                self.set(strata.index(i, j), &fill);
+            }
+        }
+    }
+}
+
+/// Values of samples within one cell.
+#[inline(always)]
+fn in_cell<S: Shader, V: Vector>(
+    pixel: &Pixel32,
+    cells: &Cells,
+    cell: u32,
+    s: V,
+    t: V,
+    exact: Exact<'_>,
+) -> V {
+    match cells.fill(cell) {
+        Fill::Uniform { facet, lit } => {
+            let facet = pixel.facet(facet);
+            if facet.is_flat || (S::SHADOWS && !lit) {
+                return V::splat(facet.flat_value(lit));
+            }
+            let w = affine(&facet.lanes, 3, s, t);
+            S::shade(&pixel.ground, facet, s, t, w, V::mask_all())
+        }
+        Fill::Mixed { list, occluders } => visible::<S, V>(pixel, list, occluders, s, t, exact),
+    }
+}
+
+/// Overwrites `values` with those at positions (s, t) about the pixel's centre, in any order.
+/// Samples are sorted by cell first, so that a vector of them shares one list; `order` is room
+/// for that.
+#[inline(always)]
+pub(super) fn values_at<S: Shader, V: Vector>(
+    pixel: &Pixel32,
+    cells: &Cells,
+    positions: [&[f32]; 2],
+    values: &mut [f32],
+    order: &mut [u32],
+    exact: Exact<'_>,
+) {
+    let [s, t] = positions;
+    let order = &mut order[..values.len()];
+    let ends = cells.sort(s, t, order);
+    let mut start = 0;
+    for (cell, end) in (0..).zip(ends) {
+        for lanes in order[start as usize..end as usize].chunks(V::LANES) {
+            let (mut ls, mut lt) = ([0.0; MAX_LANES], [0.0; MAX_LANES]);
+            for (l, &at) in lanes.iter().enumerate() {
+                ls[l] = s[at as usize];
+                lt[l] = t[at as usize];
+            }
+            // Idle lanes repeat the first sample: it is certainly in the cell.
+            for l in lanes.len()..V::LANES {
+                ls[l] = ls[0];
+                lt[l] = lt[0];
+            }
+            let found =
+                in_cell::<S, V>(pixel, cells, cell, V::load(&ls), V::load(&lt), exact).store();
+            for (l, &at) in lanes.iter().enumerate() {
+                values[at as usize] = found[l];
+            }
+        }
+        start = end;
+    }
+}
+
+/// Adds to each trial's sum the values of its samples at `n` positions of `place`, which may lie
+/// anywhere.
+#[inline(always)]
+pub(super) fn scattered_sums<S: Shader, V: Vector>(
+    pixel: &Pixel32,
+    cells: &Cells,
+    placement: &Placement<'_>,
+    groups: &mut [Group<V>],
+    n_trials: usize,
+    exact: Exact<'_>,
+) {
+    /// Samples that are sorted together.
+    const ROUND: usize = 1 << 14;
+    let n = placement.len();
+    if cells.is_single() {
+        for group in groups {
+            for index in 0..n {
+                let [s, t] = placement.sample(group, index);
+                let value = in_cell::<S, V>(pixel, cells, 0, s, t, exact);
+                group.sum = V::sum_add(group.sum, value);
+            }
+        }
+        return;
+    }
+    let capacity = ROUND.min(n as usize * V::LANES);
+    let [mut s, mut t, mut values] =
+        [vec![0.0; capacity], vec![0.0; capacity], vec![0.0; capacity + V::LANES]];
+    let mut order = vec![0; capacity];
+    for (first_trial, group) in (0..n_trials).step_by(V::LANES).zip(groups) {
+        // Lanes without a trial are not evaluated.
+        let lanes = V::LANES.min(n_trials - first_trial);
+        let per_round = (capacity / lanes) as u32;
+        let mut index = 0;
+        while index < n {
+            let end = n.min(index + per_round);
+            let len = (end - index) as usize * lanes;
+            for (at, index) in (0..len).step_by(lanes).zip(index..end) {
+                let [ps, pt] = placement.sample(group, index);
+                s[at..at + lanes].copy_from_slice(&ps.store()[..lanes]);
+                t[at..at + lanes].copy_from_slice(&pt.store()[..lanes]);
+            }
+            let positions = [&s[..len], &t[..len]];
+            values_at::<S, V>(pixel, cells, positions, &mut values[..len], &mut order, exact);
+            for at in (0..len).step_by(lanes) {
+                group.sum = V::sum_add(group.sum, V::load(&values[at..at + V::LANES]));
+            }
+            index = end;
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! Samples of which each has a stratum of its own.
+//!
+//! A lane is a trial: the same stratum of neighbouring trials meets the same few facets, so one
+//! short list serves all lanes.
+
+use super::dissect::{Fill, Visit, dissect};
+use super::draw::Group;
+use super::shader::{Shader, affine};
+use super::types::Exact;
+use super::vector::Vector;
+use super::visible::visible;
+use super::{Entry, Facet32, Pixel32, Rect, Strata, Work};
+use std::marker::PhantomData;
+
+/// Samples added in f32 before the sum moves to f64: few enough to lose nothing.
+const RUN: u32 = 16;
+
+/// Adds to each trial's sum the values of its samples in all strata: one sample per stratum.
+#[inline(always)]
+pub(super) fn strata_sums<S: Shader, V: Vector>(
+    pixel: &Pixel32,
+    strata: &Strata,
+    groups: &mut [Group<V>],
+    work: &mut Work,
+    exact: Exact<'_>,
+) {
+    let mut sums = StrataSums::<S, V> { groups, exact, shader: PhantomData };
+    dissect::<S, V>(pixel, strata, work, &mut sums);
+}
+
+struct StrataSums<'a, S, V: Vector> {
+    groups: &'a mut [Group<V>],
+    exact: Exact<'a>,
+    shader: PhantomData<S>,
+}
+
+impl<S: Shader, V: Vector> Visit for StrataSums<'_, S, V> {
+    #[inline(always)]
+    fn visit(&mut self, pixel: &Pixel32, strata: &Strata, rect: &Rect, fill: Fill<'_>) {
+        match fill {
+            Fill::Uniform { facet, lit } => {
+                let facet = pixel.facet(facet);
+                fill_rect::<S, V>(pixel, strata, rect, facet, lit, self.groups);
+            }
+            Fill::Mixed { list, occluders } => {
+                let (groups, exact) = (&mut *self.groups, self.exact);
+                sample_stratum::<S, V>(pixel, strata, rect, list, occluders, groups, exact);
+            }
+        }
+    }
+}
+
+/// One facet, or the background, fills the rectangle.
+#[inline(always)]
+fn fill_rect<S: Shader, V: Vector>(
+    pixel: &Pixel32,
+    strata: &Strata,
+    rect: &Rect,
+    facet: &Facet32,
+    lit: bool,
+    groups: &mut [Group<V>],
+) {
+    if facet.is_flat || (S::SHADOWS && !lit) {
+        let sum = f64::from(facet.flat_value(lit))
+            * f64::from((rect.i[1] - rect.i[0]) * (rect.j[1] - rect.j[0]));
+        if sum != 0.0 {
+            for group in groups {
+                group.sum = V::sum_add_all(group.sum, sum);
+            }
+        }
+        return;
+    }
+    for group in groups {
+        let mut sum = group.sum;
+        for j in rect.j[0]..rect.j[1] {
+            let mut i = rect.i[0];
+            while i < rect.i[1] {
+                let end = rect.i[1].min(i + RUN);
+                let mut run = V::splat(0.0);
+                while i < end {
+                    let origin = strata.origin(i, j);
+                    let [s, t] = group.sample(strata.index(i, j), strata.step, origin);
+                    let w = affine(&facet.lanes, 3, s, t);
+                    run = run.add(S::shade(&pixel.ground, facet, s, t, w, V::mask_all()));
+                    i += 1;
+                }
+                sum = V::sum_add(sum, run);
+            }
+        }
+        group.sum = sum;
+    }
+}
+
+/// One stratum with several candidates: the nearest facet hit gives the value.
+#[inline(always)]
+fn sample_stratum<S: Shader, V: Vector>(
+    pixel: &Pixel32,
+    strata: &Strata,
+    rect: &Rect,
+    list: &[Entry],
+    occluders: &[u32],
+    groups: &mut [Group<V>],
+    exact: Exact<'_>,
+) {
+    let (i, j) = (rect.i[0], rect.j[0]);
+    for group in groups {
+        let [s, t] = group.sample(strata.index(i, j), strata.step, strata.origin(i, j));
+        let value = visible::<S, V>(pixel, list, occluders, s, t, exact);
+        group.sum = V::sum_add(group.sum, value);
+    }
+}
