@@ -25,6 +25,8 @@ pub(crate) struct Facet {
     pub normal: DVec3,
     /// Distance of the triangle's plane from the eye, not negative.
     pub plane_distance: f64,
+    /// Lies between these rows, t of the pixel, to a rounding of 1e-9.
+    pub rows: [f64; 2],
 }
 
 impl Facet {
@@ -40,9 +42,7 @@ impl Facet {
         let index = mesh.triangles[id as usize];
         let corner = index.map(|i| mesh.positions[i as usize]);
         let relative = corner.map(|p| p - eye);
-        if frustum.misses(&relative) {
-            return None;
-        }
+        let rows = frustum.rows_of(&relative)?;
         let normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
         let length = normal.length();
         let distance = relative[0].dot(normal) / length;
@@ -79,6 +79,7 @@ impl Facet {
             inverse_depth,
             normal: -normal,
             plane_distance: distance.abs(),
+            rows,
         })
     }
 

@@ -1,38 +1,64 @@
 //! Which triangles can a pixel see? One walk of the BVH with the pixel's four planes.
 
 use crate::beam::affine::CentredFrame;
-use glam::{DVec3, Vec3A};
+use glam::DVec3;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 
 /// The pixel's pyramid from the eye.
 pub(crate) struct Frustum {
-    /// Inward unit normals of the four sides.
-    sides: [DVec3; 4],
-    /// The same by component, for conservative tests in f32.
+    /// A point P relative to the eye is seen at (s, t) = (P·columns, P·rows) / P·forward.
+    columns: DVec3,
+    rows: DVec3,
+    /// View direction: P·forward is the ray parameter of the pixel's directions.
+    forward: DVec3,
+    /// Inward unit normals of the four sides by component, for conservative tests in f32.
     normals: [[f32; 4]; 3],
-    /// View direction: depth along it is the ray parameter of the pixel's directions.
-    forward: Vec3A,
 }
 
 impl Frustum {
-    /// `forward` is the camera's, along which every direction of the pixel has length 1.
-    pub fn new(centred: &CentredFrame, forward: DVec3) -> Self {
-        let corner = |s, t| centred.direction(s, t);
-        let corners = [corner(-0.5, -0.5), corner(0.5, -0.5), corner(0.5, 0.5), corner(-0.5, 0.5)];
-        let sides = std::array::from_fn(|side| {
-            let n = corners[side].cross(corners[(side + 1) % 4]).normalize();
-            if n.dot(centred.dc) < 0.0 { -n } else { n }
-        });
-        let normals = std::array::from_fn(|axis| sides.map(|n: DVec3| n[axis] as f32));
-        Self { sides, normals, forward: forward.as_vec3a() }
+    pub fn new(centred: &CentredFrame) -> Self {
+        let CentredFrame { dc, du, dv } = *centred;
+        let volume = du.cross(dv).dot(dc);
+        let [columns, rows, forward] =
+            [dv.cross(dc), dc.cross(du), du.cross(dv)].map(|n| n / volume);
+        let sides = [forward * 0.5 + columns, forward * 0.5 - columns, forward * 0.5 + rows]
+            .map(DVec3::normalize);
+        let sides = [sides[0], sides[1], sides[2], (forward * 0.5 - rows).normalize()];
+        let normals = std::array::from_fn(|axis| sides.map(|n| n[axis] as f32));
+        Self { columns, rows, forward, normals }
     }
 
-    /// Whether one side has all three points outside it, by more than rounding.
+    /// The rows of the pixel that a triangle reaches, from t to t, no fewer than there are;
+    /// none if it is certainly outside one of the four sides.
     #[inline(always)]
-    pub fn misses(&self, points: &[DVec3; 3]) -> bool {
-        let slack = -1e-12 * points.iter().fold(0.0, |m: f64, p| m.max(p.abs().max_element()));
-        self.sides.iter().any(|n| points.iter().all(|p| n.dot(*p) < slack))
+    pub fn rows_of(&self, corners: &[DVec3; 3]) -> Option<[f64; 2]> {
+        let size = corners.iter().fold(0.0, |m: f64, p| m.max(p.abs().max_element()));
+        let scale = self.columns.abs().max(self.rows.abs()).max_element() + 1.0;
+        let slack = -1e-12 * size * scale;
+        let [mut left, mut right, mut above, mut below] = [f64::NEG_INFINITY; 4];
+        let mut nearest = f64::INFINITY;
+        for p in corners {
+            let half = 0.5 * p.dot(self.forward);
+            let (s, t) = (p.dot(self.columns), p.dot(self.rows));
+            left = left.max(half + s);
+            right = right.max(half - s);
+            above = above.max(half + t);
+            below = below.max(half - t);
+            nearest = nearest.min(half);
+        }
+        if left.min(right).min(above.min(below)) < slack {
+            return None;
+        }
+        if nearest <= 1e-9 * size {
+            return Some([-0.5, 0.5]);
+        }
+        let mut reach = [f64::INFINITY, f64::NEG_INFINITY];
+        for p in corners {
+            let t = p.dot(self.rows) / p.dot(self.forward);
+            reach = [reach[0].min(t), reach[1].max(t)];
+        }
+        Some([reach[0].max(-0.5), reach[1].min(0.5)])
     }
 
     /// Whether some point of the box may lie in the pyramid: false only when one plane has all
@@ -58,7 +84,8 @@ impl Frustum {
     /// A lower bound of the view depth of the box's points.
     #[inline(always)]
     fn nearest(&self, aabb: &Aabb) -> f32 {
-        let (a, b) = (self.forward * aabb.min, self.forward * aabb.max);
+        let forward = self.forward.as_vec3a();
+        let (a, b) = (forward * aabb.min, forward * aabb.max);
         let size = a.abs().max(b.abs()).element_sum();
         a.min(b).element_sum() - size / (1 << 20) as f32
     }

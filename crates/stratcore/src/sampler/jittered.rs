@@ -1,7 +1,7 @@
 //! One point per cell of a grid: the paper's stratified sampling.
 
 use super::random::UniformPoints;
-use super::{BELOW_ONE, Kind, PointSet, Points, Sampler, Scramble};
+use super::{BELOW_ONE, Kind, Placement, PointSet, Points, Sampler, Scramble};
 
 /// One uniform point in each of the N = k^d cells of a grid, or of the k₁ × … × k_d cells of a
 /// rectangular one. Cells are numbered with the first coordinate running fastest.
@@ -42,6 +42,9 @@ impl Sampler for Jittered {
     }
     fn strata(&self, n: u64, dim: usize) -> Option<Vec<u64>> {
         Some(strata_per_axis(n, dim))
+    }
+    fn placement(&self) -> Placement {
+        Placement::Strata
     }
     fn construct(&self, set: &PointSet) -> Box<dyn Points> {
         let strata = strata_per_axis(set.key.n_samples, set.dim);

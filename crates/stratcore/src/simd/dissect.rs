@@ -16,6 +16,10 @@ pub(super) enum Fill<'a> {
 /// Is shown what fills each rectangle. A trait and not a closure: a closure would be compiled
 /// without the kernels' instruction set.
 pub(super) trait Visit {
+    /// Whether to end early; asked once for a tile.
+    fn is_cancelled(&self) -> bool {
+        false
+    }
     fn visit(&mut self, pixel: &Pixel32, strata: &Strata, rect: &Rect, fill: Fill<'_>);
 }
 
@@ -45,7 +49,9 @@ pub(super) fn dissect<S: Shader, V: Vector>(
         entries: [0, work.entries.len() as u32],
         n_occluders: work.occluders.len() as u32,
     });
-    while let Some(rect) = work.stack.pop() {
+    while let Some(rect) = work.stack.pop()
+        && !visitor.is_cancelled()
+    {
         let Work { entries, occluders, .. } = &mut *work;
         entries.truncate(rect.entries[1] as usize);
         occluders.truncate(rect.n_occluders as usize);

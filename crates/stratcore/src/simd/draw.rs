@@ -1,8 +1,17 @@
 //! Points of many trials at once: a lane is a trial.
 
-use super::Strata;
 use super::vector::{MAX_LANES, Vector};
-use crate::rng::Stream;
+use crate::rng::StreamKey;
+use std::sync::atomic::AtomicBool;
+
+/// Trials from `first` on.
+pub(crate) struct Trials<'a> {
+    /// Of the first trial of all; its `trial` is ignored.
+    pub key: &'a StreamKey,
+    pub first: u32,
+    /// Seen within some milliseconds.
+    pub cancel: &'a AtomicBool,
+}
 
 /// LANES trials: what each draws from, and the sum of its values.
 #[derive(Clone, Copy)]
@@ -14,16 +23,40 @@ pub(super) struct Group<V: Vector> {
 }
 
 impl<V: Vector> Group<V> {
-    /// Of up to LANES streams; further lanes draw from a stream that nobody reads.
+    /// Of the trials from `first` on. Lanes beyond the last draw like the others; nobody reads
+    /// their sums.
     #[inline(always)]
-    pub(super) fn new(streams: &[Stream]) -> Self {
-        let (mut y, mut z) = ([1; MAX_LANES], [1; MAX_LANES]);
-        for (l, stream) in streams.iter().enumerate() {
-            y[l] = first_step(stream.words[0]);
-            z[l] = first_step(stream.words[1]);
+    pub(super) fn new(key: &StreamKey, first: u32) -> Self {
+        let mut words = key.words_of_trials::<MAX_LANES>(first);
+        for word in words.iter_mut().flatten() {
+            *word = first_step(*word);
         }
-        let (y, z) = (V::int_load(&y), V::int_load(&z));
+        let (y, z) = (V::int_load(&words[0]), V::int_load(&words[1]));
         Self { y, z, yz: V::int_mul(y, z), sum: V::sum_zero() }
+    }
+
+    /// As many as it takes for `n_trials`.
+    #[inline(always)]
+    pub(super) fn all(trials: &Trials<'_>, n_trials: usize) -> Vec<Self> {
+        let mut groups = Vec::with_capacity(n_trials.div_ceil(V::LANES));
+        for at in (0..n_trials).step_by(V::LANES) {
+            groups.push(Self::new(trials.key, trials.first.wrapping_add(at as u32)));
+        }
+        groups
+    }
+
+    /// Writes each trial's sum.
+    #[inline(always)]
+    pub(super) fn store(groups: &[Self], sums: &mut [f64]) {
+        for (sums, group) in sums.chunks_mut(V::LANES).zip(groups) {
+            sums.copy_from_slice(&V::sum_store(group.sum)[..sums.len()]);
+        }
+    }
+
+    /// Sample `index` of each trial, anywhere in the pixel.
+    #[inline(always)]
+    pub(super) fn anywhere(&self, index: u32) -> [V; 2] {
+        self.sample(index, [1.0 / (1 << 24) as f32; 2], [-0.5; 2])
     }
 
     /// One sample per trial in the stratum `index`: its position about the pixel's centre, from
@@ -47,33 +80,4 @@ impl<V: Vector> Group<V> {
 #[inline(always)]
 fn first_step(word: u32) -> u32 {
     word.wrapping_mul(1_664_525).wrapping_add(1_013_904_223)
-}
-
-/// Where the samples of a trial lie.
-pub(crate) enum Placement<'a> {
-    /// This many, anywhere in the pixel.
-    Anywhere(u32),
-    /// One in each stratum.
-    Strata(&'a Strata),
-}
-
-impl Placement<'_> {
-    #[inline(always)]
-    pub(super) fn len(&self) -> u32 {
-        match self {
-            Self::Anywhere(n) => *n,
-            Self::Strata(strata) => strata.per_axis[0] * strata.per_axis[1],
-        }
-    }
-
-    #[inline(always)]
-    pub(super) fn sample<V: Vector>(&self, group: &Group<V>, index: u32) -> [V; 2] {
-        match self {
-            Self::Anywhere(_) => group.sample(index, [1.0 / (1 << 24) as f32; 2], [-0.5; 2]),
-            Self::Strata(strata) => {
-                let [i, j] = [index % strata.per_axis[0], index / strata.per_axis[0]];
-                group.sample(index, strata.step, strata.origin(i, j))
-            }
-        }
-    }
 }

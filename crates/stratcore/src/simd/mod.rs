@@ -20,10 +20,10 @@ mod visible;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-use crate::rng::Stream;
+use draw::Group;
 
 pub(crate) use cells::Cells;
-pub(crate) use draw::Placement;
+pub(crate) use draw::Trials;
 pub(crate) use types::{
     Entry, Exact, Facet32, Ground, Lanes4, Pixel32, Rect, Shading, Strata, Work,
 };
@@ -98,11 +98,9 @@ macro_rules! shaded {
 macro_rules! compiled_for {
     ($module:ident, $features:literal, $vector:ty) => {
         mod $module {
-            use super::draw::Group;
             use super::shader::{Directional, Point, Polynomial, WideHeadlight};
+            use super::{Cells, Exact, Group, Pixel32, Shading, Strata, Trials, Work};
             use super::{scatter, strata};
-            use super::vector::Vector;
-            use super::{Cells, Exact, Pixel32, Placement, Shading, Strata, Stream, Work};
 
             type V = $vector;
 
@@ -110,33 +108,35 @@ macro_rules! compiled_for {
             pub(super) fn strata_sums(
                 pixel: &Pixel32,
                 grid: &Strata,
-                streams: &[Stream],
+                trials: &Trials<'_>,
                 sums: &mut [f64],
+                work: &mut Work,
                 exact: Exact<'_>,
             ) {
-                let mut groups: Vec<Group<V>> = streams.chunks(V::LANES).map(Group::new).collect();
-                let mut work = Work::default();
-                shaded!(V, strata::strata_sums(pixel, grid, &mut groups, &mut work, exact));
-                for (sums, group) in sums.chunks_mut(V::LANES).zip(&groups) {
-                    sums.copy_from_slice(&V::sum_store(group.sum)[..sums.len()]);
-                }
+                let mut groups = Group::<V>::all(trials, sums.len());
+                let cancel = trials.cancel;
+                shaded!(V, strata::strata_sums(pixel, grid, &mut groups, work, exact, cancel));
+                Group::store(&groups, sums);
             }
 
             #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
             pub(super) fn scattered_sums(
                 pixel: &Pixel32,
                 cells: &Cells,
-                placement: &Placement<'_>,
-                streams: &[Stream],
+                n: u32,
+                trials: &Trials<'_>,
                 sums: &mut [f64],
                 exact: Exact<'_>,
             ) {
-                let mut groups: Vec<Group<V>> = streams.chunks(V::LANES).map(Group::new).collect();
-                let n_trials = streams.len();
-                shaded!(V, scatter::scattered_sums(pixel, cells, placement, &mut groups, n_trials, exact));
-                for (sums, group) in sums.chunks_mut(V::LANES).zip(&groups) {
-                    sums.copy_from_slice(&V::sum_store(group.sum)[..sums.len()]);
-                }
+                let mut groups = Group::<V>::all(trials, sums.len());
+                let (cancel, n_trials) = (trials.cancel, sums.len());
+                shaded!(
+                    V,
+                    scatter::scattered_sums(
+                        pixel, cells, n, &mut groups, n_trials, exact, cancel
+                    )
+                );
+                Group::store(&groups, sums);
             }
 
             #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
@@ -182,30 +182,31 @@ macro_rules! dispatch {
     };
 }
 
-/// Overwrites `sums[t]` with the sum over the samples that trial t draws from `streams[t]`: one
-/// in each stratum.
+/// Overwrites `sums[t]` with the sum over the samples of trial t of `trials`: one in each
+/// stratum. Once cancelled, what is written means nothing.
 pub(crate) fn strata_sums(
     isa: Isa,
     pixel: &Pixel32,
     strata: &Strata,
-    streams: &[Stream],
+    trials: &Trials<'_>,
     sums: &mut [f64],
+    work: &mut Work,
     exact: Exact<'_>,
 ) {
-    dispatch!(isa, strata_sums(pixel, strata, streams, sums, exact));
+    dispatch!(isa, strata_sums(pixel, strata, trials, sums, work, exact));
 }
 
-/// The same for samples of any placement, found through the pixel's cells.
+/// The same for `n` samples that may lie anywhere, found through the pixel's cells.
 pub(crate) fn scattered_sums(
     isa: Isa,
     pixel: &Pixel32,
     cells: &Cells,
-    placement: &Placement<'_>,
-    streams: &[Stream],
+    n: u32,
+    trials: &Trials<'_>,
     sums: &mut [f64],
     exact: Exact<'_>,
 ) {
-    dispatch!(isa, scattered_sums(pixel, cells, placement, streams, sums, exact));
+    dispatch!(isa, scattered_sums(pixel, cells, n, trials, sums, exact));
 }
 
 /// Overwrites `values` with those at positions (s, t) about the pixel's centre.

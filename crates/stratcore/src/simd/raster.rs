@@ -139,6 +139,14 @@ impl Tile {
                     lens[l] += 1;
                 }
             }
+            // Each entry's bound becomes that of all from it on.
+            for l in 0..n {
+                let mut farthest = 0.0f32;
+                for entry in lists[l * room..l * room + lens[l]].iter_mut().rev() {
+                    farthest = farthest.max(entry.w_hi);
+                    entry.w_hi = farthest;
+                }
+            }
             if S::SHADOWS {
                 strata_occluders.clear();
                 for l in 0..n {

@@ -1,12 +1,13 @@
 //! Samples that may lie anywhere in the pixel: sorted into the cells of a fixed grid.
 
 use super::dissect::{Fill, Visit, dissect};
-use super::draw::{Group, Placement};
+use super::draw::Group;
 use super::shader::{Shader, affine};
 use super::types::Exact;
 use super::vector::{MAX_LANES, Vector};
 use super::visible::visible;
 use super::{Cells, Pixel32, Rect, Strata, Work};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The dissection of the pixel into a fixed grid, for samples that may lie anywhere.
 #[inline(always)]
@@ -89,26 +90,30 @@ pub(super) fn values_at<S: Shader, V: Vector>(
     }
 }
 
-/// Adds to each trial's sum the values of its samples at `n` positions of `place`, which may lie
-/// anywhere.
+/// Adds to each trial's sum the values of its `n` samples, which may lie anywhere.
 #[inline(always)]
 pub(super) fn scattered_sums<S: Shader, V: Vector>(
     pixel: &Pixel32,
     cells: &Cells,
-    placement: &Placement<'_>,
+    n: u32,
     groups: &mut [Group<V>],
     n_trials: usize,
     exact: Exact<'_>,
+    cancel: &AtomicBool,
 ) {
     /// Samples that are sorted together.
     const ROUND: usize = 1 << 14;
-    let n = placement.len();
     if cells.is_single() {
         for group in groups {
-            for index in 0..n {
-                let [s, t] = placement.sample(group, index);
-                let value = in_cell::<S, V>(pixel, cells, 0, s, t, exact);
-                group.sum = V::sum_add(group.sum, value);
+            let mut index = 0;
+            while index < n && !cancel.load(Ordering::Relaxed) {
+                let end = n.min(index.saturating_add(ROUND as u32));
+                while index < end {
+                    let [s, t] = group.anywhere(index);
+                    let value = in_cell::<S, V>(pixel, cells, 0, s, t, exact);
+                    group.sum = V::sum_add(group.sum, value);
+                    index += 1;
+                }
             }
         }
         return;
@@ -122,16 +127,16 @@ pub(super) fn scattered_sums<S: Shader, V: Vector>(
         let lanes = V::LANES.min(n_trials - first_trial);
         let per_round = (capacity / lanes) as u32;
         let mut index = 0;
-        while index < n {
-            let end = n.min(index + per_round);
+        while index < n && !cancel.load(Ordering::Relaxed) {
+            let end = n.min(index.saturating_add(per_round));
             let len = (end - index) as usize * lanes;
             for (at, index) in (0..len).step_by(lanes).zip(index..end) {
-                let [ps, pt] = placement.sample(group, index);
+                let [ps, pt] = group.anywhere(index);
                 s[at..at + lanes].copy_from_slice(&ps.store()[..lanes]);
                 t[at..at + lanes].copy_from_slice(&pt.store()[..lanes]);
             }
-            let positions = [&s[..len], &t[..len]];
-            values_at::<S, V>(pixel, cells, positions, &mut values[..len], &mut order, exact);
+            let at = [&s[..len], &t[..len]];
+            values_at::<S, V>(pixel, cells, at, &mut values[..len], &mut order, exact);
             for at in (0..len).step_by(lanes) {
                 group.sum = V::sum_add(group.sum, V::load(&values[at..at + V::LANES]));
             }

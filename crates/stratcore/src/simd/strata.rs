@@ -11,6 +11,7 @@ use super::vector::Vector;
 use super::visible::visible;
 use super::{Entry, Facet32, Pixel32, Rect, Strata, Work};
 use std::marker::PhantomData;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Samples added in f32 before the sum moves to f64: few enough to lose nothing.
 const RUN: u32 = 16;
@@ -23,18 +24,24 @@ pub(super) fn strata_sums<S: Shader, V: Vector>(
     groups: &mut [Group<V>],
     work: &mut Work,
     exact: Exact<'_>,
+    cancel: &AtomicBool,
 ) {
-    let mut sums = StrataSums::<S, V> { groups, exact, shader: PhantomData };
+    let mut sums = StrataSums::<S, V> { groups, exact, cancel, shader: PhantomData };
     dissect::<S, V>(pixel, strata, work, &mut sums);
 }
 
 struct StrataSums<'a, S, V: Vector> {
     groups: &'a mut [Group<V>],
     exact: Exact<'a>,
+    cancel: &'a AtomicBool,
     shader: PhantomData<S>,
 }
 
 impl<S: Shader, V: Vector> Visit for StrataSums<'_, S, V> {
+    #[inline(always)]
+    fn is_cancelled(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed)
+    }
     #[inline(always)]
     fn visit(&mut self, pixel: &Pixel32, strata: &Strata, rect: &Rect, fill: Fill<'_>) {
         match fill {

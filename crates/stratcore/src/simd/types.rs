@@ -110,11 +110,6 @@ pub(crate) struct Rect {
 }
 
 impl Rect {
-    #[inline(always)]
-    pub(super) fn is_single(&self) -> bool {
-        self.i[1] - self.i[0] == 1 && self.j[1] - self.j[0] == 1
-    }
-
     /// Halves across the longer side.
     #[inline(always)]
     pub(super) fn halves(&self) -> [Self; 2] {

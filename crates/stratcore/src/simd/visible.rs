@@ -28,7 +28,7 @@ pub(super) fn visible<S: Shader, V: Vector>(
     let mut doubt = V::mask_none();
     for entry in list {
         if V::mask_bits(nearest.ge(V::splat(entry.w_hi))) == V::mask_bits(V::mask_all()) {
-            continue;
+            break;
         }
         let facet = &pixel.facets[entry.facet as usize];
         let margin = least_of_three(&facet.lanes, s, t);

@@ -5,6 +5,7 @@ use crate::beam::PixelBeam;
 use crate::integrand::Integrand;
 use crate::sampler::{PointSet, Sampler};
 use crate::scene::{Channel, PixelFrame};
+use std::sync::atomic::AtomicBool;
 
 /// How the samples of a pixel are traced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -79,8 +80,9 @@ impl Integrand for PixelIntegrand<'_> {
         set: &PointSet,
         first_trial: u32,
         means: &mut [f64],
+        cancel: &AtomicBool,
     ) -> bool {
-        self.inner().trial_means(sampler, set, first_trial, means)
+        self.inner().trial_means(sampler, set, first_trial, means, cancel)
     }
 }
 
