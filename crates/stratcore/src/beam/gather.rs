@@ -12,6 +12,8 @@ pub(crate) struct Frustum {
     rows: DVec3,
     /// View direction: P·forward is the ray parameter of the pixel's directions.
     forward: DVec3,
+    /// Largest component of the three.
+    scale: f64,
     /// Inward unit normals of the four sides by component, for conservative tests in f32.
     normals: [[f32; 4]; 3],
 }
@@ -26,39 +28,50 @@ impl Frustum {
             .map(DVec3::normalize);
         let sides = [sides[0], sides[1], sides[2], (forward * 0.5 - rows).normalize()];
         let normals = std::array::from_fn(|axis| sides.map(|n| n[axis] as f32));
-        Self { columns, rows, forward, normals }
+        let scale = columns.abs().max(rows.abs()).max(forward.abs()).max_element();
+        Self { columns, rows, forward, scale, normals }
     }
 
     /// The rows of the pixel that a triangle reaches, from t to t, no fewer than there are;
-    /// none if it is certainly outside one of the four sides.
+    /// none if it is certainly outside one of the pixel's sides, or the pixel outside one of
+    /// its own.
     #[inline(always)]
     pub fn rows_of(&self, corners: &[DVec3; 3]) -> Option<[f64; 2]> {
-        let size = corners.iter().fold(0.0, |m: f64, p| m.max(p.abs().max_element()));
-        let scale = self.columns.abs().max(self.rows.abs()).max_element() + 1.0;
-        let slack = -1e-12 * size * scale;
-        let [mut left, mut right, mut above, mut below] = [f64::NEG_INFINITY; 4];
-        let mut nearest = f64::INFINITY;
-        for p in corners {
-            let half = 0.5 * p.dot(self.forward);
-            let (s, t) = (p.dot(self.columns), p.dot(self.rows));
-            left = left.max(half + s);
-            right = right.max(half - s);
-            above = above.max(half + t);
-            below = below.max(half - t);
-            nearest = nearest.min(half);
-        }
-        if left.min(right).min(above.min(below)) < slack {
+        // Seen at (x, y) / z.
+        let [a, b, c] = corners
+            .map(|p| DVec3::new(p.dot(self.columns), p.dot(self.rows), p.dot(self.forward)));
+        let size = a.abs().max(b.abs()).max(c.abs()).max_element() + self.terms(corners);
+        let slack = -1e-12 * size;
+        let outside = |side: fn(DVec3) -> f64| side(a).max(side(b)).max(side(c)) < slack;
+        if outside(|p| 0.5 * p.z + p.x)
+            || outside(|p| 0.5 * p.z - p.x)
+            || outside(|p| 0.5 * p.z + p.y)
+            || outside(|p| 0.5 * p.z - p.y)
+        {
             return None;
         }
-        if nearest <= 1e-9 * size {
+        let volume = a.dot(b.cross(c));
+        let before = |p: DVec3, q: DVec3| {
+            let edge = p.cross(q);
+            edge.z * volume.signum() + 0.5 * (edge.x.abs() + edge.y.abs()) < slack * size
+        };
+        // Seen edge-on, it has no sides to speak of.
+        let has_sides = volume.abs() > -slack * size * size;
+        if has_sides && (before(a, b) || before(b, c) || before(c, a)) {
+            return None;
+        }
+        if a.z.min(b.z).min(c.z) <= 1e-9 * size {
             return Some([-0.5, 0.5]);
         }
-        let mut reach = [f64::INFINITY, f64::NEG_INFINITY];
-        for p in corners {
-            let t = p.dot(self.rows) / p.dot(self.forward);
-            reach = [reach[0].min(t), reach[1].max(t)];
-        }
-        Some([reach[0].max(-0.5), reach[1].min(0.5)])
+        let [a, b, c] = [a.y / a.z, b.y / b.z, c.y / c.z];
+        Some([a.min(b).min(c).max(-0.5), a.max(b).max(c).min(0.5)])
+    }
+
+    /// The size of the terms that the sides' dot products add up.
+    #[inline(always)]
+    fn terms(&self, corners: &[DVec3; 3]) -> f64 {
+        let [a, b, c] = corners.map(DVec3::abs);
+        a.max(b).max(c).max_element() * self.scale
     }
 
     /// Whether some point of the box may lie in the pyramid: false only when one plane has all

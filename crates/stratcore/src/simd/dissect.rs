@@ -1,86 +1,102 @@
 //! What fills each part of the pixel.
 
 use super::raster::{SIDE, Tile};
-use super::shader::Shader;
-use super::vector::Vector;
+use super::vector::{Extent, Vector};
 use super::{Entry, Pixel32, Rect, Strata, Work};
 
+/// A rectangle of strata and what fills it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Piece {
+    pub i: [u32; 2],
+    pub j: [u32; 2],
+    pub fill: Fill,
+}
+
 /// What fills a rectangle of strata.
-pub(super) enum Fill<'a> {
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Fill {
     /// One facet, wholly lit or wholly in shadow; none: the background.
     Uniform { facet: Option<u32>, lit: bool },
-    /// Several candidates, in a single stratum; with the occluders that they index.
-    Mixed { list: &'a [Entry], occluders: &'a [u32] },
+    /// Several candidates, in a single stratum: a run of [`Work::list`].
+    Mixed { first: u32, end: u32 },
 }
 
-/// Is shown what fills each rectangle. A trait and not a closure: a closure would be compiled
-/// without the kernels' instruction set.
-pub(super) trait Visit {
-    /// Whether to end early; asked once for a tile.
-    fn is_cancelled(&self) -> bool {
-        false
+impl Fill {
+    pub(super) const NOTHING: Self = Self::Uniform { facet: None, lit: true };
+
+    /// One facet that covers a rectangle, if `entry` is wholly lit or wholly in shadow there.
+    #[inline(always)]
+    pub(super) fn covered_by(entry: &Entry) -> Option<Self> {
+        let (facet, lit) = (Some(entry.facet), !entry.shadowed);
+        entry.is_settled().then_some(Self::Uniform { facet, lit })
     }
-    fn visit(&mut self, pixel: &Pixel32, strata: &Strata, rect: &Rect, fill: Fill<'_>);
 }
 
-/// Cuts the pixel into rectangles of strata and shows `visitor` what fills each.
+/// Begins to cut the pixel into rectangles of strata; [`next_pieces`] shows them.
+pub(super) fn start(pixel: &Pixel32, strata: &Strata, work: &mut Work) {
+    let Work { entries, occluders, stack, tile, .. } = work;
+    entries.clear();
+    occluders.clear();
+    stack.clear();
+    *tile = None;
+    for (facet, data) in (0..).zip(&pixel.facets) {
+        let first = occluders.len() as u32;
+        occluders.extend(data.occluders.clone());
+        let occluders = [first, occluders.len() as u32];
+        entries.push(Entry { facet, occluders, ..Entry::default() });
+    }
+    stack.push(Rect {
+        i: [0, strata.per_axis[0]],
+        j: [0, strata.per_axis[1]],
+        entries: [0, entries.len() as u32],
+        n_occluders: occluders.len() as u32,
+    });
+}
+
+/// Overwrites `work.pieces` with the next rectangles and their contents; false after the last.
 ///
 /// Rectangles are halved, and the list of facets filtered for each half, until one facet covers
 /// the rectangle or it is small enough to be drawn into.
 #[inline(always)]
-pub(super) fn dissect<S: Shader, V: Vector>(
-    pixel: &Pixel32,
-    strata: &Strata,
-    work: &mut Work,
-    visitor: &mut impl Visit,
-) {
-    work.entries.clear();
-    work.occluders.clear();
-    work.stack.clear();
-    for (facet, data) in (0..).zip(&pixel.facets) {
-        let first = work.occluders.len() as u32;
-        work.occluders.extend(data.occluders.clone());
-        let occluders = [first, work.occluders.len() as u32];
-        work.entries.push(Entry { facet, occluders, ..Entry::default() });
-    }
-    work.stack.push(Rect {
-        i: [0, strata.per_axis[0]],
-        j: [0, strata.per_axis[1]],
-        entries: [0, work.entries.len() as u32],
-        n_occluders: work.occluders.len() as u32,
-    });
-    while let Some(rect) = work.stack.pop()
-        && !visitor.is_cancelled()
-    {
-        let Work { entries, occluders, .. } = &mut *work;
+pub(super) fn next_pieces<V: Vector>(pixel: &Pixel32, strata: &Strata, work: &mut Work) -> bool {
+    work.pieces.clear();
+    loop {
+        if let Some(mut tile) = work.tile.take() {
+            if tile.draw::<V>(pixel, work) {
+                work.tile = Some(tile);
+                return true;
+            }
+        }
+        let Some(rect) = work.stack.pop() else { return false };
+        let Work { entries, occluders, stack, pieces, .. } = &mut *work;
         entries.truncate(rect.entries[1] as usize);
         occluders.truncate(rect.n_occluders as usize);
         let is_tile = rect.i[1] - rect.i[0] <= SIDE && rect.j[1] - rect.j[0] <= SIDE;
-        let is_whole = rect.entries[0] == 0;
-        if is_tile && is_whole && entries.len() > 1 {
-            let tile = Tile::new(strata, &rect);
-            tile.draw::<S, V>(pixel, strata, [0, work.entries.len()], work, visitor);
-            continue;
+        let mut first = 0;
+        let mut fill = None;
+        // The pixel's own list is as short as a filter makes it.
+        if !is_tile || rect.entries[0] != 0 || entries.len() < 2 {
+            first = entries.len();
+            let covered = filter::<V>(pixel, strata, &rect, entries, occluders);
+            fill = match &entries[first..] {
+                [] => Some(Fill::NOTHING),
+                [only] if covered => Fill::covered_by(only),
+                _ => None,
+            };
         }
-        let first = entries.len();
-        let covered = filter::<S, V>(pixel, strata, &rect, entries, occluders);
-        match &entries[first..] {
-            [] => visitor.visit(pixel, strata, &rect, Fill::Uniform { facet: None, lit: true }),
-            [only] if covered && (!S::SHADOWS || only.is_settled()) => {
-                let fill = Fill::Uniform { facet: Some(only.facet), lit: !only.shadowed };
-                visitor.visit(pixel, strata, &rect, fill);
-            }
-            _ if is_tile => {
-                let tile = Tile::new(strata, &rect);
-                tile.draw::<S, V>(pixel, strata, [first, work.entries.len()], work, visitor);
-            }
-            _ => {
-                let entries = [first as u32, entries.len() as u32];
-                let n_occluders = occluders.len() as u32;
-                let [a, b] = rect.halves();
-                work.stack.push(Rect { entries, n_occluders, ..b });
-                work.stack.push(Rect { entries, n_occluders, ..a });
-            }
+        if let Some(fill) = fill {
+            pieces.push(Piece { i: rect.i, j: rect.j, fill });
+            return true;
+        }
+        if is_tile {
+            let list = [first, entries.len()];
+            work.tile = Some(Tile::new::<V>(pixel, strata, &rect, list, work));
+        } else {
+            let entries = [first as u32, entries.len() as u32];
+            let n_occluders = occluders.len() as u32;
+            let [a, b] = rect.halves();
+            stack.push(Rect { entries, n_occluders, ..b });
+            stack.push(Rect { entries, n_occluders, ..a });
         }
     }
 }
@@ -88,7 +104,7 @@ pub(super) fn dissect<S: Shader, V: Vector>(
 /// Appends to `entries` the rectangle's facets that may be seen in it, and tells whether all of
 /// them cover it.
 #[inline(always)]
-fn filter<S: Shader, V: Vector>(
+fn filter<V: Vector>(
     pixel: &Pixel32,
     strata: &Strata,
     rect: &Rect,
@@ -125,24 +141,35 @@ fn filter<S: Shader, V: Vector>(
         all_cover &= covers;
         entries.push(entry);
     }
-    if S::SHADOWS {
-        for entry in &mut entries[kept..] {
-            let first = occluders.len();
-            for at in entry.occluders[0]..entry.occluders[1] {
-                let id = occluders[at as usize];
-                let range = V::range(&pixel.occluders[id as usize], &extent);
-                if range.above == 0b1111 {
-                    entry.shadowed = true;
-                    occluders.truncate(first);
-                    break;
-                }
-                if range.below == 0 {
-                    occluders.push(id);
-                }
-            }
-            entry.occluders = [first as u32, occluders.len() as u32];
-        }
+    for entry in &mut entries[kept..] {
+        narrow::<V>(pixel, &extent, entry, occluders);
     }
     all_cover
 }
 
+
+/// Leaves an entry those of its occluders that shadow the rectangle in part, appended to the
+/// list; or says that one of them shadows all of it.
+#[inline(always)]
+pub(super) fn narrow<V: Vector>(
+    pixel: &Pixel32,
+    extent: &Extent,
+    entry: &mut Entry,
+    occluders: &mut Vec<u32>,
+) {
+    let [from, to] = entry.occluders.map(|at| at as usize);
+    let first = occluders.len();
+    for at in from..to {
+        let id = occluders[at];
+        let range = V::range(&pixel.occluders[id as usize], extent);
+        if range.above == 0b1111 {
+            entry.shadowed = true;
+            occluders.truncate(first);
+            break;
+        }
+        if range.below == 0 {
+            occluders.push(id);
+        }
+    }
+    entry.occluders = [first as u32, occluders.len() as u32];
+}

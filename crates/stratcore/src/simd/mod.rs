@@ -100,7 +100,7 @@ macro_rules! compiled_for {
         mod $module {
             use super::shader::{Directional, Point, Polynomial, WideHeadlight};
             use super::{Cells, Exact, Group, Pixel32, Shading, Strata, Trials, Work};
-            use super::{scatter, strata};
+            use super::{dissect, scatter, strata};
 
             type V = $vector;
 
@@ -114,8 +114,11 @@ macro_rules! compiled_for {
                 exact: Exact<'_>,
             ) {
                 let mut groups = Group::<V>::all(trials, sums.len());
-                let cancel = trials.cancel;
-                shaded!(V, strata::strata_sums(pixel, grid, &mut groups, work, exact, cancel));
+                let (next, cancel) = (|work: &mut Work| next_pieces(pixel, grid, work), trials.cancel);
+                shaded!(
+                    V,
+                    strata::strata_sums(pixel, grid, &mut groups, work, next, exact, cancel)
+                );
                 Group::store(&groups, sums);
             }
 
@@ -153,7 +156,14 @@ macro_rules! compiled_for {
 
             #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
             pub(super) fn cells(pixel: &Pixel32, per_axis: u32) -> Cells {
-                shaded!(V, scatter::cells(pixel, per_axis))
+                Cells::new(pixel, per_axis, |grid, work| next_pieces(pixel, grid, work))
+            }
+
+            /// Large, and the same for all shaders: compiled once.
+            #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
+            #[inline(never)]
+            fn next_pieces(pixel: &Pixel32, grid: &Strata, work: &mut Work) -> bool {
+                dissect::next_pieces::<V>(pixel, grid, work)
             }
         }
     };

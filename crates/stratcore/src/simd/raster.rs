@@ -4,10 +4,10 @@
 //! facet out of it; three that are positive throughout make it cover the stratum and hide what
 //! lies wholly behind.
 
-use super::dissect::{Fill, Visit};
-use super::shader::{Shader, affine};
+use super::dissect::{Fill, Piece, narrow};
+use super::shader::affine;
 use super::types::{Record, Work};
-use super::vector::{CULL_SLACK, MAX_LANES, Vector};
+use super::vector::{CULL_SLACK, Extent, MAX_LANES, Vector};
 use super::{Entry, Lanes4, Pixel32, Rect, Strata};
 
 /// Strata of a tile along each axis, at most.
@@ -61,23 +61,35 @@ pub(super) struct Probe {
 }
 
 /// Strata in rows, one after the other.
+#[derive(Debug, Clone)]
 pub(super) struct Tile {
     rect: Rect,
     width: u32,
     n_strata: usize,
+    /// The first stratum that is not drawn yet.
+    next: usize,
+    /// Its facets, a run of the work's entries.
+    list: [usize; 2],
     /// Middles of the strata; those beyond the last repeat it.
     s: [f32; MAX_STRATA],
     t: [f32; MAX_STRATA],
     /// Half a stratum's width and height.
     half: [f32; 2],
+    /// Those of the work's occluders that belong to the tile and not to a stratum.
+    n_occluders: usize,
 }
 
 impl Tile {
-    /// `rect` is at most [`SIDE`] strata wide and high.
+    /// `rect` is at most [`SIDE`] strata wide and high, `list` holds its facets.
     #[inline(always)]
-    pub(super) fn new(strata: &Strata, rect: &Rect) -> Self {
+    pub(super) fn new<V: Vector>(
+        pixel: &Pixel32,
+        strata: &Strata,
+        rect: &Rect,
+        list: [usize; 2],
+        work: &mut Work,
+    ) -> Self {
         let width = rect.i[1] - rect.i[0];
-        let height = rect.j[1] - rect.j[0];
         let (mut s, mut t) = ([0.0; MAX_STRATA], [0.0; MAX_STRATA]);
         let mut at = 0;
         let mut middle = [0.0; 2];
@@ -88,109 +100,101 @@ impl Tile {
                 at += 1;
             }
         }
-        let n_strata = (width * height) as usize;
+        let n_strata = at;
         let end = n_strata.next_multiple_of(MAX_LANES);
         s[n_strata..end].fill(middle[0]);
         t[n_strata..end].fill(middle[1]);
-        Self { rect: *rect, width, n_strata, s, t, half: strata.half() }
-    }
-
-    /// Shows `visitor` what fills each stratum, or each run of strata with the same content.
-    #[inline(always)]
-    pub(super) fn draw<S: Shader, V: Vector>(
-        &self,
-        pixel: &Pixel32,
-        strata: &Strata,
-        [first, end]: [usize; 2],
-        work: &mut Work,
-        visitor: &mut impl Visit,
-    ) {
-        let Work { entries, occluders, probes, records, strata: lists, strata_occluders, .. } =
-            work;
-        let list = &entries[first..end];
-        probes.clear();
-        for (entry, at) in list.iter().zip(0..) {
+        let half = strata.half();
+        work.probes.clear();
+        for (entry, at) in work.entries[list[0]..list[1]].iter().zip(0..) {
             let facet = &pixel.facets[entry.facet as usize];
-            let w = 2.0 * facet.w_slack;
-            let slack = [CULL_SLACK, CULL_SLACK, CULL_SLACK, w];
-            let spans = Spans::new(&facet.lanes, self.half, slack);
-            probes.push(Probe { spans, entry: at, w_hi: facet.w_hi, rows: facet.rows });
+            let slack = [CULL_SLACK, CULL_SLACK, CULL_SLACK, 2.0 * facet.w_slack];
+            let spans = Spans::new(&facet.lanes, half, slack);
+            work.probes.push(Probe { spans, entry: at, w_hi: facet.w_hi, rows: facet.rows });
         }
-        for first in (0..self.n_strata).step_by(V::LANES) {
-            let n = V::LANES.min(self.n_strata - first);
-            let horizon = self.candidates::<V>(first, n, probes, records);
-            // What was hidden by a facet that came later.
-            for record in &mut records[..] {
-                let visible = V::load(&record.w_hi).ge(horizon);
-                record.strata &= V::mask_bits(visible);
-            }
-            let room = records.len();
-            lists.resize(lists.len().max(room * V::LANES), Entry::default());
-            let mut lens = [0; MAX_LANES];
-            let mut covered = 0u32;
-            for record in &records[..] {
-                let mut left = record.strata;
-                covered |= record.covers;
-                while left != 0 {
-                    let l = left.trailing_zeros() as usize;
-                    left &= left - 1;
-                    let entry = list[record.entry as usize];
-                    lists[l * room + lens[l]] = Entry { w_hi: record.w_hi[l], ..entry };
-                    lens[l] += 1;
-                }
-            }
-            // Each entry's bound becomes that of all from it on.
-            for l in 0..n {
-                let mut farthest = 0.0f32;
-                for entry in lists[l * room..l * room + lens[l]].iter_mut().rev() {
-                    farthest = farthest.max(entry.w_hi);
-                    entry.w_hi = farthest;
-                }
-            }
-            if S::SHADOWS {
-                strata_occluders.clear();
-                for l in 0..n {
-                    let middle = [self.s[first + l], self.t[first + l]];
-                    for entry in &mut lists[l * room..l * room + lens[l]] {
-                        let run = &occluders[entry.occluders[0] as usize..entry.occluders[1] as usize];
-                        let from = strata_occluders.len();
-                        for &id in run {
-                            let extent = super::vector::Extent { middle, half: self.half };
-                            let range = V::range(&pixel.occluders[id as usize], &extent);
-                            if range.above == 0b1111 {
-                                entry.shadowed = true;
-                                strata_occluders.truncate(from);
-                                break;
-                            }
-                            if range.below == 0 {
-                                strata_occluders.push(id);
-                            }
-                        }
-                        entry.occluders = [from as u32, strata_occluders.len() as u32];
-                    }
-                }
-            }
-            self.show::<S>(pixel, strata, first, n, room, &lens, covered, lists, strata_occluders, visitor);
-        }
+        Self { rect: *rect, width, n_strata, next: 0, list, s, t, half, n_occluders: work.occluders.len() }
     }
 
-    /// The facets that touch some of the strata `first ..`, and the inverse depth behind which
-    /// each stratum is covered.
+    /// Overwrites the work's pieces with the next strata, [`MAX_LANES`] of them under every
+    /// instruction set so that all cut alike; false after the last.
+    #[inline(always)]
+    pub(super) fn draw<V: Vector>(&mut self, pixel: &Pixel32, work: &mut Work) -> bool {
+        let first = self.next;
+        if first == self.n_strata {
+            return false;
+        }
+        let n = MAX_LANES.min(self.n_strata - first);
+        self.next += n;
+        let Work { entries, occluders, probes, records, list, pieces, .. } = work;
+        records.clear();
+        for lane in (0..n).step_by(V::LANES) {
+            self.candidates::<V>(first, lane, V::LANES.min(n - lane), probes, records);
+        }
+        // A stratum's entries lie side by side, with room for all records.
+        let room = records.len();
+        list.resize(list.len().max(room * MAX_LANES), Entry::default());
+        occluders.truncate(self.n_occluders);
+        let mut lens = [0; MAX_LANES];
+        let mut covered = 0u32;
+        let facets = &entries[self.list[0]..self.list[1]];
+        for record in &records[..] {
+            covered |= record.covers;
+            let mut left = record.strata;
+            while left != 0 {
+                let l = left.trailing_zeros() as usize;
+                left &= left - 1;
+                let w_hi = record.w_hi[l % V::LANES];
+                list[l * room + lens[l]] = Entry { w_hi, ..facets[record.entry as usize] };
+                lens[l] += 1;
+            }
+        }
+        for l in 0..n {
+            let middle = [self.s[first + l], self.t[first + l]];
+            let extent = Extent { middle, half: self.half };
+            let run = l * room..l * room + lens[l];
+            // Each entry's bound becomes that of all from it on.
+            let mut farthest = 0.0f32;
+            for entry in list[run.clone()].iter_mut().rev() {
+                farthest = farthest.max(entry.w_hi);
+                entry.w_hi = farthest;
+                narrow::<V>(pixel, &extent, entry, occluders);
+            }
+            let fill = match &list[run.clone()] {
+                [] => Some(Fill::NOTHING),
+                [only] if covered >> l & 1 != 0 => Fill::covered_by(only),
+                _ => None,
+            };
+            let fill = fill.unwrap_or(Fill::Mixed { first: run.start as u32, end: run.end as u32 });
+            let at = (first + l) as u32;
+            let (i, j) = (self.rect.i[0] + at % self.width, self.rect.j[0] + at / self.width);
+            match pieces.last_mut() {
+                // A run of equal strata in a row is one piece.
+                Some(last) if last.fill == fill && last.j[0] == j => last.i[1] = i + 1,
+                _ => pieces.push(Piece { i: [i, i + 1], j: [j, j + 1], fill }),
+            }
+        }
+        true
+    }
+
+    /// Appends the facets that may be seen in some of the `n` strata `first + lane ..`.
     #[inline(always)]
     fn candidates<V: Vector>(
         &self,
         first: usize,
+        lane: usize,
         n: usize,
         probes: &[Probe],
         records: &mut Vec<Record>,
-    ) -> V {
+    ) {
+        let first = first + lane;
         let (s, t) = (V::load(&self.s[first..]), V::load(&self.t[first..]));
         let rows = [self.t[first] - self.half[1], self.t[first + n - 1] + self.half[1]];
         let zero = V::splat(0.0);
         let all = V::mask_bits(V::mask_all());
         let real = all >> (V::LANES - n);
+        let from = records.len();
+        // 1/t behind which each stratum is covered.
         let mut horizon = zero;
-        records.clear();
         for probe in probes {
             if probe.rows[1] < rows[0] || probe.rows[0] > rows[1] {
                 continue;
@@ -213,55 +217,13 @@ impl Tile {
             let w_lo = spans.low(3, w_hi);
             let nearer = V::mask_and(covers, w_lo.gt(horizon));
             horizon = V::select(nearer, w_lo, horizon);
-            let covers = V::mask_bits(covers) & real;
+            let covers = (V::mask_bits(covers) & real) << lane;
+            let strata = strata << lane;
             records.push(Record { entry: probe.entry, strata, covers, w_hi: w_hi.store() });
         }
-        horizon
-    }
-
-    #[expect(clippy::too_many_arguments, reason = "tmp")]
-    #[inline(always)]
-    fn show<S: Shader>(
-        &self,
-        pixel: &Pixel32,
-        strata: &Strata,
-        first: usize,
-        n: usize,
-        room: usize,
-        lens: &[usize; MAX_LANES],
-        covered: u32,
-        lists: &[Entry],
-        occluders: &[u32],
-        visitor: &mut impl Visit,
-    ) {
-        let uniform = |l: usize| -> Option<(Option<u32>, bool)> {
-            match &lists[l * room..l * room + lens[l]] {
-                [] => Some((None, true)),
-                [only] if covered >> l & 1 != 0 && (!S::SHADOWS || only.is_settled()) => {
-                    Some((Some(only.facet), !only.shadowed))
-                }
-                _ => None,
-            }
-        };
-        let mut l = 0;
-        while l < n {
-            let at = (first + l) as u32;
-            let (i, j) = (self.rect.i[0] + at % self.width, self.rect.j[0] + at / self.width);
-            let rect = Rect { i: [i, i + 1], j: [j, j + 1], ..self.rect };
-            let Some((facet, lit)) = uniform(l) else {
-                let list = &lists[l * room..l * room + lens[l]];
-                visitor.visit(pixel, strata, &rect, Fill::Mixed { list, occluders });
-                l += 1;
-                continue;
-            };
-            let row_end = n.min(l + (self.rect.i[1] - i) as usize);
-            let from = l;
-            l += 1;
-            while l < row_end && uniform(l) == Some((facet, lit)) {
-                l += 1;
-            }
-            let rect = Rect { i: [i, i + (l - from) as u32], ..rect };
-            visitor.visit(pixel, strata, &rect, Fill::Uniform { facet, lit });
+        // What a facet that came later hides.
+        for record in &mut records[from..] {
+            record.strata &= V::mask_bits(V::load(&record.w_hi).ge(horizon)) << lane;
         }
     }
 }

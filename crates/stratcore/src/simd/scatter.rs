@@ -1,33 +1,13 @@
 //! Samples that may lie anywhere in the pixel: sorted into the cells of a fixed grid.
 
-use super::dissect::{Fill, Visit, dissect};
+use super::dissect::Fill;
 use super::draw::Group;
 use super::shader::{Shader, affine};
 use super::types::Exact;
 use super::vector::{MAX_LANES, Vector};
 use super::visible::visible;
-use super::{Cells, Pixel32, Rect, Strata, Work};
+use super::{Cells, Pixel32};
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// The dissection of the pixel into a fixed grid, for samples that may lie anywhere.
-#[inline(always)]
-pub(super) fn cells<S: Shader, V: Vector>(pixel: &Pixel32, per_axis: u32) -> Cells {
-    let strata = Strata::new([per_axis; 2]);
-    let mut cells = Cells::new(per_axis);
-    dissect::<S, V>(pixel, &strata, &mut Work::default(), &mut cells);
-    cells
-}
-
-impl Visit for Cells {
-    #[inline(always)]
-    fn visit(&mut self, _: &Pixel32, strata: &Strata, rect: &Rect, fill: Fill<'_>) {
-        for j in rect.j[0]..rect.j[1] {
-            for i in rect.i[0]..rect.i[1] {
-                self.set(strata.index(i, j), &fill);
-            }
-        }
-    }
-}
 
 /// Values of samples within one cell.
 #[inline(always)]
@@ -39,7 +19,7 @@ fn in_cell<S: Shader, V: Vector>(
     t: V,
     exact: Exact<'_>,
 ) -> V {
-    match cells.fill(cell) {
+    match cells.fills[cell as usize] {
         Fill::Uniform { facet, lit } => {
             let facet = pixel.facet(facet);
             if facet.is_flat || (S::SHADOWS && !lit) {
@@ -48,7 +28,10 @@ fn in_cell<S: Shader, V: Vector>(
             let w = affine(&facet.lanes, 3, s, t);
             S::shade(&pixel.ground, facet, s, t, w, V::mask_all())
         }
-        Fill::Mixed { list, occluders } => visible::<S, V>(pixel, list, occluders, s, t, exact),
+        Fill::Mixed { first, end } => {
+            let list = &cells.entries[first as usize..end as usize];
+            visible::<S, V>(pixel, list, &cells.occluders, s, t, exact)
+        }
     }
 }
 

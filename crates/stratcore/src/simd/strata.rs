@@ -3,55 +3,43 @@
 //! A lane is a trial: the same stratum of neighbouring trials meets the same few facets, so one
 //! short list serves all lanes.
 
-use super::dissect::{Fill, Visit, dissect};
+use super::dissect::{self, Fill, Piece};
 use super::draw::Group;
 use super::shader::{Shader, affine};
 use super::types::Exact;
 use super::vector::Vector;
 use super::visible::visible;
-use super::{Entry, Facet32, Pixel32, Rect, Strata, Work};
-use std::marker::PhantomData;
+use super::{Entry, Facet32, Pixel32, Strata, Work};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Samples added in f32 before the sum moves to f64: few enough to lose nothing.
 const RUN: u32 = 16;
 
 /// Adds to each trial's sum the values of its samples in all strata: one sample per stratum.
+/// `next_pieces` is [`super::dissect::next_pieces`], compiled once for all shaders.
 #[inline(always)]
 pub(super) fn strata_sums<S: Shader, V: Vector>(
     pixel: &Pixel32,
     strata: &Strata,
     groups: &mut [Group<V>],
     work: &mut Work,
+    next_pieces: impl Fn(&mut Work) -> bool,
     exact: Exact<'_>,
     cancel: &AtomicBool,
 ) {
-    let mut sums = StrataSums::<S, V> { groups, exact, cancel, shader: PhantomData };
-    dissect::<S, V>(pixel, strata, work, &mut sums);
-}
-
-struct StrataSums<'a, S, V: Vector> {
-    groups: &'a mut [Group<V>],
-    exact: Exact<'a>,
-    cancel: &'a AtomicBool,
-    shader: PhantomData<S>,
-}
-
-impl<S: Shader, V: Vector> Visit for StrataSums<'_, S, V> {
-    #[inline(always)]
-    fn is_cancelled(&self) -> bool {
-        self.cancel.load(Ordering::Relaxed)
-    }
-    #[inline(always)]
-    fn visit(&mut self, pixel: &Pixel32, strata: &Strata, rect: &Rect, fill: Fill<'_>) {
-        match fill {
-            Fill::Uniform { facet, lit } => {
-                let facet = pixel.facet(facet);
-                fill_rect::<S, V>(pixel, strata, rect, facet, lit, self.groups);
-            }
-            Fill::Mixed { list, occluders } => {
-                let (groups, exact) = (&mut *self.groups, self.exact);
-                sample_stratum::<S, V>(pixel, strata, rect, list, occluders, groups, exact);
+    dissect::start(pixel, strata, work);
+    while next_pieces(work) && !cancel.load(Ordering::Relaxed) {
+        for piece in &work.pieces {
+            match piece.fill {
+                Fill::Uniform { facet, lit } => {
+                    fill_rect::<S, V>(pixel, strata, piece, pixel.facet(facet), lit, groups);
+                }
+                Fill::Mixed { first, end } => {
+                    let list = &work.list[first as usize..end as usize];
+                    let at = [piece.i[0], piece.j[0]];
+                    let occluders = &work.occluders;
+                    sample_stratum::<S, V>(pixel, strata, at, list, occluders, groups, exact);
+                }
             }
         }
     }
@@ -62,7 +50,7 @@ impl<S: Shader, V: Vector> Visit for StrataSums<'_, S, V> {
 fn fill_rect<S: Shader, V: Vector>(
     pixel: &Pixel32,
     strata: &Strata,
-    rect: &Rect,
+    rect: &Piece,
     facet: &Facet32,
     lit: bool,
     groups: &mut [Group<V>],
@@ -103,13 +91,12 @@ fn fill_rect<S: Shader, V: Vector>(
 fn sample_stratum<S: Shader, V: Vector>(
     pixel: &Pixel32,
     strata: &Strata,
-    rect: &Rect,
+    [i, j]: [u32; 2],
     list: &[Entry],
     occluders: &[u32],
     groups: &mut [Group<V>],
     exact: Exact<'_>,
 ) {
-    let (i, j) = (rect.i[0], rect.j[0]);
     for group in groups {
         let [s, t] = group.sample(strata.index(i, j), strata.step, strata.origin(i, j));
         let value = visible::<S, V>(pixel, list, occluders, s, t, exact);

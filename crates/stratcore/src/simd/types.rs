@@ -1,6 +1,7 @@
 //! What the kernels read and write, in f32 and in the order in which they want it.
 
-use super::raster::Probe;
+use super::dissect::Piece;
+use super::raster::{Probe, Tile};
 use super::vector::{Extent, MAX_LANES};
 use std::ops::Range;
 
@@ -189,8 +190,10 @@ pub(crate) struct Work {
     pub(super) stack: Vec<Rect>,
     pub(super) probes: Vec<Probe>,
     pub(super) records: Vec<Record>,
-    pub(super) strata: Vec<Entry>,
-    pub(super) strata_occluders: Vec<u32>,
+    pub(super) tile: Option<Tile>,
+    /// The lists of the pieces' strata; their occluders are in `occluders`.
+    pub(super) list: Vec<Entry>,
+    pub(super) pieces: Vec<Piece>,
 }
 
 /// Where a facet meets a vector of strata.
