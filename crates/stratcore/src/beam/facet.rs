@@ -52,20 +52,16 @@ impl Facet {
         }
         let orientation = distance.signum();
         let mut edges = [Affine::default(); 3];
-        for (edge, (from, to)) in edges.iter_mut().zip([(0, 1), (1, 2), (2, 0)]) {
-            // One order of the two ends for both triangles that share them, so that their
-            // functions cancel exactly. The difference of ends that lie close together is
-            // free of rounding, which p × q itself is not.
-            let keep = comes_first(&corner[from], &corner[to]);
-            let (p, q) = if keep { (from, to) } else { (to, from) };
-            let sign = if keep { orientation } else { -orientation };
+        for (edge, (p, q, sign)) in edges.iter_mut().zip(ordered_edges(&corner)) {
+            // The difference of ends that lie close together is free of rounding, which p × q
+            // itself is not.
             let plane = relative[p].cross(corner[q] - corner[p]);
             let function = Affine::dot(plane, centred);
             let magnitude = function.magnitude();
             if magnitude <= 0.0 || magnitude.is_nan() {
                 return None;
             }
-            *edge = function.scaled(sign / magnitude);
+            *edge = function.scaled(sign * orientation / magnitude);
             if edge.c + edge.radius() < -1e-9 {
                 return None;
             }
@@ -102,7 +98,11 @@ impl Facet {
     }
 }
 
-/// A total order of points by their coordinates, the same for every triangle.
-pub(super) fn comes_first(p: &DVec3, q: &DVec3) -> bool {
-    (p.x, p.y, p.z) < (q.x, q.y, q.z)
+/// A triangle's edges as (from, to, sign): from and to in one order for both triangles that
+/// share the edge, so that their functions cancel exactly, and -1 where that turns it round.
+pub(super) fn ordered_edges(corner: &[DVec3; 3]) -> [(usize, usize, f64); 3] {
+    let key = |i: usize| (corner[i].x, corner[i].y, corner[i].z);
+    [(0, 1), (1, 2), (2, 0)].map(|(from, to)| {
+        if key(from) < key(to) { (from, to, 1.0) } else { (to, from, -1.0) }
+    })
 }

@@ -151,7 +151,7 @@ fn filter<V: Vector>(
 /// Leaves an entry those of its occluders that shadow the rectangle in part, appended to the
 /// list; or says that one of them shadows all of it.
 #[inline(always)]
-pub(super) fn narrow<V: Vector>(
+fn narrow<V: Vector>(
     pixel: &Pixel32,
     extent: &Extent,
     entry: &mut Entry,

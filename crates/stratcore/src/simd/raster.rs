@@ -4,10 +4,10 @@
 //! facet out of it; three that are positive throughout make it cover the stratum and hide what
 //! lies wholly behind.
 
-use super::dissect::{Fill, Piece, narrow};
+use super::dissect::{Fill, Piece};
 use super::shader::affine;
-use super::types::{Record, Work};
-use super::vector::{CULL_SLACK, Extent, MAX_LANES, Vector};
+use super::types::{Record, Shade, Work};
+use super::vector::{CULL_SLACK, MAX_LANES, Vector};
 use super::{Entry, Lanes4, Pixel32, Rect, Strata};
 
 /// Strata of a tile along each axis, at most.
@@ -125,10 +125,17 @@ impl Tile {
         }
         let n = MAX_LANES.min(self.n_strata - first);
         self.next += n;
-        let Work { entries, occluders, probes, records, list, pieces, .. } = work;
+        let Work { entries, occluders, probes, records, shades, list, pieces, .. } = work;
         records.clear();
+        shades.clear();
         for lane in (0..n).step_by(V::LANES) {
+            let from = records.len();
             self.candidates::<V>(first, lane, V::LANES.min(n - lane), probes, records);
+            for record in &mut records[from..] {
+                let [start, end] = entries[self.list[0] + record.entry as usize].occluders;
+                let ids = &occluders[start as usize..end as usize];
+                self.shadows::<V>(pixel, first, lane, ids, record, shades);
+            }
         }
         // A stratum's entries lie side by side, with room for all records.
         let room = records.len();
@@ -137,27 +144,36 @@ impl Tile {
         let mut lens = [0; MAX_LANES];
         let mut covered = 0u32;
         let facets = &entries[self.list[0]..self.list[1]];
-        for record in &records[..] {
+        for (at, record) in (0..).zip(&records[..]) {
             covered |= record.covers;
+            let facet = facets[record.entry as usize];
             let mut left = record.strata;
             while left != 0 {
                 let l = left.trailing_zeros() as usize;
                 left &= left - 1;
                 let w_hi = record.w_hi[l % V::LANES];
-                list[l * room + lens[l]] = Entry { w_hi, ..facets[record.entry as usize] };
+                let shadowed = facet.shadowed || record.shadowed >> l & 1 != 0;
+                // Its record, until its occluders are known.
+                let occluders = [at, at];
+                list[l * room + lens[l]] = Entry { w_hi, shadowed, occluders, ..facet };
                 lens[l] += 1;
             }
         }
         for l in 0..n {
-            let middle = [self.s[first + l], self.t[first + l]];
-            let extent = Extent { middle, half: self.half };
             let run = l * room..l * room + lens[l];
             // Each entry's bound becomes that of all from it on.
             let mut farthest = 0.0f32;
             for entry in list[run.clone()].iter_mut().rev() {
                 farthest = farthest.max(entry.w_hi);
                 entry.w_hi = farthest;
-                narrow::<V>(pixel, &extent, entry, occluders);
+                let start = occluders.len() as u32;
+                if !entry.shadowed {
+                    let [start, end] = records[entry.occluders[0] as usize].shades;
+                    let run = &shades[start as usize..end as usize];
+                    let here = run.iter().filter(|shade| shade.strata >> l & 1 != 0);
+                    occluders.extend(here.map(|shade| shade.occluder));
+                }
+                entry.occluders = [start, occluders.len() as u32];
             }
             let fill = match &list[run.clone()] {
                 [] => Some(Fill::NOTHING),
@@ -219,11 +235,53 @@ impl Tile {
             horizon = V::select(nearer, w_lo, horizon);
             let covers = (V::mask_bits(covers) & real) << lane;
             let strata = strata << lane;
-            records.push(Record { entry: probe.entry, strata, covers, w_hi: w_hi.store() });
+            records.push(Record {
+                entry: probe.entry,
+                strata,
+                covers,
+                w_hi: w_hi.store(),
+                ..Record::default()
+            });
         }
         // What a facet that came later hides.
         for record in &mut records[from..] {
             record.strata &= V::mask_bits(V::load(&record.w_hi).ge(horizon)) << lane;
         }
+    }
+    /// Says of a facet's record in which strata an occluder shadows it, and appends those that
+    /// may do so in a part of some.
+    #[inline(always)]
+    fn shadows<V: Vector>(
+        &self,
+        pixel: &Pixel32,
+        first: usize,
+        lane: usize,
+        ids: &[u32],
+        record: &mut Record,
+        shades: &mut Vec<Shade>,
+    ) {
+        let first = first + lane;
+        let (s, t) = (V::load(&self.s[first..]), V::load(&self.t[first..]));
+        let zero = V::splat(0.0);
+        record.shades = [shades.len() as u32; 2];
+        for &occluder in ids {
+            let lanes = &pixel.occluders[occluder as usize];
+            let spans = Spans::new(lanes, self.half, [CULL_SLACK; 4]);
+            let [a, b] = [spans.high(0, s, t), spans.high(1, s, t)];
+            let [c, d] = [spans.high(2, s, t), spans.high(3, s, t)];
+            let touches = V::mask_bits(a.min(b).min(c.min(d)).ge(zero)) << lane;
+            if touches & record.strata == 0 {
+                continue;
+            }
+            let [a, b] = [spans.low(0, a), spans.low(1, b)];
+            let [c, d] = [spans.low(2, c), spans.low(3, d)];
+            let blocks = V::mask_bits(a.min(b).min(c.min(d)).gt(zero)) << lane;
+            record.shadowed |= blocks;
+            let strata = touches & record.strata & !blocks;
+            if strata != 0 {
+                shades.push(Shade { occluder, strata });
+            }
+        }
+        record.shades[1] = shades.len() as u32;
     }
 }

@@ -190,6 +190,7 @@ pub(crate) struct Work {
     pub(super) stack: Vec<Rect>,
     pub(super) probes: Vec<Probe>,
     pub(super) records: Vec<Record>,
+    pub(super) shades: Vec<Shade>,
     pub(super) tile: Option<Tile>,
     /// The lists of the pieces' strata; their occluders are in `occluders`.
     pub(super) list: Vec<Entry>,
@@ -197,7 +198,7 @@ pub(crate) struct Work {
 }
 
 /// Where a facet meets a vector of strata.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Record {
     /// Its place in the tile's list.
     pub entry: u32,
@@ -207,4 +208,15 @@ pub(super) struct Record {
     pub covers: u32,
     /// Greatest 1/t in each stratum.
     pub w_hi: [f32; MAX_LANES],
+    /// Bit l: it is wholly in shadow in stratum l.
+    pub shadowed: u32,
+    /// What may shadow a part of it, a run of [`Work::shades`].
+    pub shades: [u32; 2],
+}
+
+/// An occluder, and the strata of a vector in which it may shadow a part of a facet.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shade {
+    pub occluder: u32,
+    pub strata: u32,
 }

@@ -27,7 +27,8 @@ pub(super) fn visible<S: Shader, V: Vector>(
     let mut nearest_slack = zero;
     let mut doubt = V::mask_none();
     for entry in list {
-        if V::mask_bits(nearest.ge(V::splat(entry.w_hi))) == V::mask_bits(V::mask_all()) {
+        let hidden = nearest.sub(nearest_slack).ge(V::splat(entry.w_hi));
+        if V::mask_bits(hidden) == V::mask_bits(V::mask_all()) {
             break;
         }
         let facet = &pixel.facets[entry.facet as usize];
