@@ -25,11 +25,17 @@ use stratcore::trace::{TracedScene, Tracer};
 #[derive(Parser)]
 struct Args {
     /// Scene: a built-in name, or a .toml or .obj file; may be given again
-    #[arg(long, default_values = ["classic", "grass"])]
+    #[arg(long, default_values = ["classic", "grass", "classic-shadows"])]
     scene: Vec<String>,
     /// Sampler
     #[arg(long, default_value = "jittered")]
     sampler: String,
+    /// Pixels per axis of the lattice
+    #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..))]
+    lattice: u32,
+    /// Leave out the rows traced by rays and those on two threads
+    #[arg(long)]
+    beam_only: bool,
     /// Times that every row is measured
     #[arg(long, default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..))]
     rounds: u32,
@@ -38,8 +44,7 @@ struct Args {
     bench: bool,
 }
 
-/// Pixels per axis of the lattice, and of the sparse one that rays can afford.
-const SIDE: u32 = 32;
+/// Pixels per axis of the sparse lattice that rays can afford.
 const SPARSE_SIDE: u32 = 4;
 
 fn main() -> Result<()> {
@@ -52,7 +57,7 @@ fn main() -> Result<()> {
         n_samples(&plan)
     )?;
     for name in &args.scene {
-        measure(load(name)?, &plan, args.rounds).with_context(|| name.clone())?;
+        measure(load(name)?, &plan, &args).with_context(|| name.clone())?;
     }
     Ok(())
 }
@@ -67,7 +72,7 @@ struct Row<'a> {
     base: usize,
 }
 
-fn measure(scene: Scene, plan: &StudyPlan, rounds: u32) -> Result<()> {
+fn measure(scene: Scene, plan: &StudyPlan, args: &Args) -> Result<()> {
     let name = scene.name.clone();
     let n_triangles = scene.mesh.triangles.len();
     let limit = TracedScene::new(covered_by_one_triangle(scene.clone()));
@@ -76,22 +81,25 @@ fn measure(scene: Scene, plan: &StudyPlan, rounds: u32) -> Result<()> {
     let scene = TracedScene::new(scene);
     let build = start.elapsed();
 
-    let all = lattice(&scene.scene().camera, SIDE);
+    let all = lattice(&scene.scene().camera, args.lattice);
     let sparse = lattice(&scene.scene().camera, SPARSE_SIDE);
     let mut non_empty = all.clone();
     non_empty.retain(|&pixel| list_length(&scene, pixel).is_none_or(|length| length > 0));
     let row = |name, scene, pixels, threads, base| Row { name, scene, pixels, threads, base };
-    let rows = [
+    let mut rows = vec![
         row("limit: one triangle covers all", &limit, &all[..], 1, 0),
         row("beam, all pixels", &scene, &all, 1, 0),
-        row("beam, all pixels", &scene, &all, 2, 1),
         row("beam, non-empty pixels", &scene, &non_empty, 1, 0),
-        row("beam, non-empty pixels", &scene, &non_empty, 2, 3),
+        row("beam, all pixels", &scene, &all, 2, 1),
+        row("beam, non-empty pixels", &scene, &non_empty, 2, 2),
         row("BVH, sparse lattice", &rays, &sparse, 1, 5),
         row("beam, sparse lattice", &scene, &sparse, 1, 5),
     ];
+    if args.beam_only {
+        rows.truncate(3);
+    }
     let mut times = vec![Vec::new(); rows.len()];
-    for _ in 0..rounds {
+    for _ in 0..args.rounds {
         for (row, times) in rows.iter().zip(&mut times) {
             times.push(time(row, plan)?.as_secs_f64());
         }
@@ -127,15 +135,41 @@ fn list_length(scene: &TracedScene, pixel: [u32; 2]) -> Option<usize> {
     Some(beam.n_facets())
 }
 
-/// Wall time of a row, threads started.
+/// Time of a row, threads started: the processor's on one thread, the wall's on several.
 fn time(row: &Row, plan: &StudyPlan) -> Result<Duration> {
     let Row { scene, pixels, threads, .. } = *row;
     with_threads(Some(threads), || {
-        let start = Instant::now();
+        let start = Clock::start(threads);
         let integrand = |pixel| scene.pixel(pixel, Channel::Luminance);
         study_pixels(&integrand, pixels.iter().copied(), plan, Control::unwatched(), &mut |_| ())?;
         Ok(start.elapsed())
     })
+}
+
+/// What a thread costs, whatever else the machine does: its own processor time where the system
+/// tells it (Linux), the wall's elsewhere and for work on several threads.
+struct Clock {
+    wall: Instant,
+    processor: Option<Duration>,
+}
+
+impl Clock {
+    fn start(threads: usize) -> Self {
+        let processor = if threads == 1 { Self::processor() } else { None };
+        Self { wall: Instant::now(), processor }
+    }
+
+    fn elapsed(&self) -> Duration {
+        match (self.processor, Self::processor()) {
+            (Some(start), Some(now)) => now - start,
+            _ => self.wall.elapsed(),
+        }
+    }
+
+    fn processor() -> Option<Duration> {
+        let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+        text.split(' ').next()?.parse().ok().map(Duration::from_nanos)
+    }
 }
 
 /// Time per sample, set-up included, of the pixels whose lists are about as long, and of the
@@ -149,7 +183,7 @@ fn by_list_length(
     let mut groups: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     let mut at_limit = Vec::new();
     let nanoseconds = |scene: &TracedScene, pixel| -> Result<f64> {
-        let start = Instant::now();
+        let start = Clock::start(1);
         let integrand = scene.pixel(pixel, Channel::Luminance);
         study(&integrand, pixel, plan, Control::unwatched())?;
         Ok(start.elapsed().as_secs_f64() * 1e9 / n_samples(plan) as f64)

@@ -58,6 +58,25 @@ impl StreamKey {
         Stream::new(words)
     }
 
+    /// The first two words of the streams of L trials from `first` on, each word by trial.
+    #[inline(always)]
+    pub(crate) fn words_of_trials<const L: usize>(&self, first: u32) -> [[u32; L]; 2] {
+        let base = Self { trial: 0, ..*self }.counter();
+        // The trial's 32 bits lie across two words of the counter.
+        let mut counter = base.map(|word| [word; L]);
+        for l in 0..L {
+            let trial = first.wrapping_add(l as u32);
+            counter[1][l] |= trial << 24;
+            counter[2][l] |= trial >> 8;
+        }
+        let mut key = [self.seed as u32, (self.seed >> 32) as u32];
+        for _ in 0..10 {
+            counter = philox_round(counter, key);
+            key = philox_next_key(key);
+        }
+        [counter[0], counter[1]].map(|word| word.map(Stream::even))
+    }
+
     /// The 128-bit Philox counter: x (20 bits), y (20), trial (32), N (44), sampler (8), from
     /// the top. The last 4 bits are zero.
     pub(crate) fn counter(&self) -> [u32; 4] {
@@ -84,7 +103,12 @@ pub struct Stream {
 impl Stream {
     fn new(words: [u32; 4]) -> Self {
         let scramble = u64::from(words[2]) | u64::from(words[3]) << 32;
-        Self { words: [words[0] & !1, words[1] & !1], scramble }
+        Self { words: [words[0], words[1]].map(Self::even), scramble }
+    }
+
+    #[inline(always)]
+    fn even(word: u32) -> u32 {
+        word & !1
     }
 
     /// Two coordinates in [0, 1), multiples of 2^-48: pair number `index` of the stream.
@@ -172,21 +196,35 @@ fn unit_pair([a, b, c]: [u32; 3]) -> [f64; 2] {
 }
 
 /// Philox4x32-10: ten rounds, as published.
-pub fn philox4x32_10(mut counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
-    const MULTIPLIER: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
-    const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
+pub fn philox4x32_10(counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
+    let mut counter = counter.map(|word| [word]);
     for _ in 0..10 {
-        let a = u64::from(MULTIPLIER[0]) * u64::from(counter[0]);
-        let b = u64::from(MULTIPLIER[1]) * u64::from(counter[2]);
-        counter = [
-            (b >> 32) as u32 ^ counter[1] ^ key[0],
-            b as u32,
-            (a >> 32) as u32 ^ counter[3] ^ key[1],
-            a as u32,
-        ];
-        key = [key[0].wrapping_add(WEYL[0]), key[1].wrapping_add(WEYL[1])];
+        counter = philox_round(counter, key);
+        key = philox_next_key(key);
     }
-    counter
+    counter.map(|[word]| word)
+}
+
+/// One round of L counters, each of their four words by counter.
+#[inline(always)]
+fn philox_round<const L: usize>(counter: [[u32; L]; 4], key: [u32; 2]) -> [[u32; L]; 4] {
+    const MULTIPLIER: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
+    let mut out = [[0; L]; 4];
+    for l in 0..L {
+        let a = u64::from(MULTIPLIER[0]) * u64::from(counter[0][l]);
+        let b = u64::from(MULTIPLIER[1]) * u64::from(counter[2][l]);
+        out[0][l] = (b >> 32) as u32 ^ counter[1][l] ^ key[0];
+        out[1][l] = b as u32;
+        out[2][l] = (a >> 32) as u32 ^ counter[3][l] ^ key[1];
+        out[3][l] = a as u32;
+    }
+    out
+}
+
+#[inline(always)]
+fn philox_next_key(key: [u32; 2]) -> [u32; 2] {
+    const WEYL: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
+    [key[0].wrapping_add(WEYL[0]), key[1].wrapping_add(WEYL[1])]
 }
 
 /// pcg3d: three words in, three words out, as published.

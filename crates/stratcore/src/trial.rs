@@ -20,7 +20,7 @@ pub fn trial_means(
     means: &mut [f64],
     cancel: &AtomicBool,
 ) {
-    if integrand.trial_means(sampler, set, first_trial, means) {
+    if integrand.trial_means(sampler, set, first_trial, means, cancel) {
         return;
     }
     let n = set.key.n_samples;

@@ -25,6 +25,8 @@ pub(crate) struct Facet {
     pub normal: DVec3,
     /// Distance of the triangle's plane from the eye, not negative.
     pub plane_distance: f64,
+    /// Lies between these rows, t of the pixel, to a rounding of 1e-9.
+    pub rows: [f64; 2],
 }
 
 impl Facet {
@@ -40,9 +42,7 @@ impl Facet {
         let index = mesh.triangles[id as usize];
         let corner = index.map(|i| mesh.positions[i as usize]);
         let relative = corner.map(|p| p - eye);
-        if frustum.misses(&relative) {
-            return None;
-        }
+        let rows = frustum.rows_of(&relative)?;
         let normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
         let length = normal.length();
         let distance = relative[0].dot(normal) / length;
@@ -52,20 +52,16 @@ impl Facet {
         }
         let orientation = distance.signum();
         let mut edges = [Affine::default(); 3];
-        for (edge, (from, to)) in edges.iter_mut().zip([(0, 1), (1, 2), (2, 0)]) {
-            // One order of the two ends for both triangles that share them, so that their
-            // functions cancel exactly. The difference of ends that lie close together is
-            // free of rounding, which p × q itself is not.
-            let keep = comes_first(&corner[from], &corner[to]);
-            let (p, q) = if keep { (from, to) } else { (to, from) };
-            let sign = if keep { orientation } else { -orientation };
+        for (edge, (p, q, sign)) in edges.iter_mut().zip(ordered_edges(&corner)) {
+            // The difference of ends that lie close together is free of rounding, which p × q
+            // itself is not.
             let plane = relative[p].cross(corner[q] - corner[p]);
             let function = Affine::dot(plane, centred);
             let magnitude = function.magnitude();
             if magnitude <= 0.0 || magnitude.is_nan() {
                 return None;
             }
-            *edge = function.scaled(sign / magnitude);
+            *edge = function.scaled(sign * orientation / magnitude);
             if edge.c + edge.radius() < -1e-9 {
                 return None;
             }
@@ -79,6 +75,7 @@ impl Facet {
             inverse_depth,
             normal: -normal,
             plane_distance: distance.abs(),
+            rows,
         })
     }
 
@@ -101,7 +98,10 @@ impl Facet {
     }
 }
 
-/// A total order of points by their coordinates, the same for every triangle.
-pub(super) fn comes_first(p: &DVec3, q: &DVec3) -> bool {
-    (p.x, p.y, p.z) < (q.x, q.y, q.z)
+/// A triangle's edges as (from, to, sign): from and to in one order for both triangles that
+/// share the edge, so that their functions cancel exactly, and -1 where that turns it round.
+pub(super) fn ordered_edges(corner: &[DVec3; 3]) -> [(usize, usize, f64); 3] {
+    let key = |i: usize| (corner[i].x, corner[i].y, corner[i].z);
+    [(0, 1), (1, 2), (2, 0)]
+        .map(|(from, to)| if key(from) < key(to) { (from, to, 1.0) } else { (to, from, -1.0) })
 }

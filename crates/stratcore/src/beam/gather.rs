@@ -1,38 +1,77 @@
 //! Which triangles can a pixel see? One walk of the BVH with the pixel's four planes.
 
 use crate::beam::affine::CentredFrame;
-use glam::{DVec3, Vec3A};
+use glam::DVec3;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 
 /// The pixel's pyramid from the eye.
 pub(crate) struct Frustum {
-    /// Inward unit normals of the four sides.
-    sides: [DVec3; 4],
-    /// The same by component, for conservative tests in f32.
+    /// A point P relative to the eye is seen at (s, t) = (P·columns, P·rows) / P·forward.
+    columns: DVec3,
+    rows: DVec3,
+    /// View direction: P·forward is the ray parameter of the pixel's directions.
+    forward: DVec3,
+    /// Largest component of the three.
+    scale: f64,
+    /// Inward unit normals of the four sides by component, for conservative tests in f32.
     normals: [[f32; 4]; 3],
-    /// View direction: depth along it is the ray parameter of the pixel's directions.
-    forward: Vec3A,
 }
 
 impl Frustum {
-    /// `forward` is the camera's, along which every direction of the pixel has length 1.
-    pub fn new(centred: &CentredFrame, forward: DVec3) -> Self {
-        let corner = |s, t| centred.direction(s, t);
-        let corners = [corner(-0.5, -0.5), corner(0.5, -0.5), corner(0.5, 0.5), corner(-0.5, 0.5)];
-        let sides = std::array::from_fn(|side| {
-            let n = corners[side].cross(corners[(side + 1) % 4]).normalize();
-            if n.dot(centred.dc) < 0.0 { -n } else { n }
-        });
-        let normals = std::array::from_fn(|axis| sides.map(|n: DVec3| n[axis] as f32));
-        Self { sides, normals, forward: forward.as_vec3a() }
+    pub fn new(centred: &CentredFrame) -> Self {
+        let CentredFrame { dc, du, dv } = *centred;
+        let volume = du.cross(dv).dot(dc);
+        let [columns, rows, forward] =
+            [dv.cross(dc), dc.cross(du), du.cross(dv)].map(|n| n / volume);
+        let sides = [forward * 0.5 + columns, forward * 0.5 - columns, forward * 0.5 + rows]
+            .map(DVec3::normalize);
+        let sides = [sides[0], sides[1], sides[2], (forward * 0.5 - rows).normalize()];
+        let normals = std::array::from_fn(|axis| sides.map(|n| n[axis] as f32));
+        let scale = columns.abs().max(rows.abs()).max(forward.abs()).max_element();
+        Self { columns, rows, forward, scale, normals }
     }
 
-    /// Whether one side has all three points outside it, by more than rounding.
+    /// The rows of the pixel that a triangle reaches, from t to t, no fewer than there are;
+    /// none if it is certainly outside one of the pixel's sides, or the pixel outside one of
+    /// its own.
     #[inline(always)]
-    pub fn misses(&self, points: &[DVec3; 3]) -> bool {
-        let slack = -1e-12 * points.iter().fold(0.0, |m: f64, p| m.max(p.abs().max_element()));
-        self.sides.iter().any(|n| points.iter().all(|p| n.dot(*p) < slack))
+    pub fn rows_of(&self, corners: &[DVec3; 3]) -> Option<[f64; 2]> {
+        // Seen at (x, y) / z.
+        let [a, b, c] =
+            corners.map(|p| DVec3::new(p.dot(self.columns), p.dot(self.rows), p.dot(self.forward)));
+        let size = a.abs().max(b.abs()).max(c.abs()).max_element() + self.terms(corners);
+        let slack = -1e-12 * size;
+        let outside = |side: fn(DVec3) -> f64| side(a).max(side(b)).max(side(c)) < slack;
+        if outside(|p| 0.5 * p.z + p.x)
+            || outside(|p| 0.5 * p.z - p.x)
+            || outside(|p| 0.5 * p.z + p.y)
+            || outside(|p| 0.5 * p.z - p.y)
+        {
+            return None;
+        }
+        let volume = a.dot(b.cross(c));
+        let before = |p: DVec3, q: DVec3| {
+            let edge = p.cross(q);
+            edge.z * volume.signum() + 0.5 * (edge.x.abs() + edge.y.abs()) < slack * size
+        };
+        // Seen edge-on, it has no sides to speak of.
+        let has_sides = volume.abs() > -slack * size * size;
+        if has_sides && (before(a, b) || before(b, c) || before(c, a)) {
+            return None;
+        }
+        if a.z.min(b.z).min(c.z) <= 1e-9 * size {
+            return Some([-0.5, 0.5]);
+        }
+        let [a, b, c] = [a.y / a.z, b.y / b.z, c.y / c.z];
+        Some([a.min(b).min(c).max(-0.5), a.max(b).max(c).min(0.5)])
+    }
+
+    /// The size of the terms that the sides' dot products add up.
+    #[inline(always)]
+    fn terms(&self, corners: &[DVec3; 3]) -> f64 {
+        let [a, b, c] = corners.map(DVec3::abs);
+        a.max(b).max(c).max_element() * self.scale
     }
 
     /// Whether some point of the box may lie in the pyramid: false only when one plane has all
@@ -58,7 +97,8 @@ impl Frustum {
     /// A lower bound of the view depth of the box's points.
     #[inline(always)]
     fn nearest(&self, aabb: &Aabb) -> f32 {
-        let (a, b) = (self.forward * aabb.min, self.forward * aabb.max);
+        let forward = self.forward.as_vec3a();
+        let (a, b) = (forward * aabb.min, forward * aabb.max);
         let size = a.abs().max(b.abs()).element_sum();
         a.min(b).element_sum() - size / (1 << 20) as f32
     }

@@ -6,14 +6,14 @@ use crate::beam::gather::{Frustum, gather};
 use crate::beam::shade::{Lit, Shade, coefficients};
 use crate::beam::shadow::{Occluder, occluders};
 use crate::integrand::Integrand;
-use crate::rng::StreamKey;
-use crate::sampler::{PointSet, Sampler, Scramble, strata_per_axis};
+use crate::sampler::{Placement, PointSet, Sampler, Scramble};
 use crate::scene::{Channel, Light, Scene};
 use crate::simd::{
-    self, Cells, Entry, Facet32, Ground, Isa, Lanes4, Pixel32, Placement, Shading, Strata,
+    self, Cells, Entry, Facet32, Ground, Isa, Lanes4, Pixel32, Shading, Strata, Trials, Work,
 };
 use obvhs::bvh2::Bvh2;
-use std::sync::OnceLock;
+use std::sync::atomic::AtomicBool;
+use std::sync::{Mutex, OnceLock};
 
 /// Directions may turn by this much across a pixel before a polynomial of second order is off
 /// by more than 1e-8 of the radiance.
@@ -33,6 +33,8 @@ pub struct PixelBeam {
     pixel32: Pixel32,
     /// Made when a sampler first asks for it.
     cells: OnceLock<Cells>,
+    /// Room for lists, kept from row to row.
+    work: Mutex<Work>,
 }
 
 impl PixelBeam {
@@ -100,6 +102,7 @@ impl PixelBeam {
             ground,
             pixel32,
             cells: OnceLock::new(),
+            work: Mutex::default(),
         })
     }
 
@@ -224,39 +227,38 @@ impl Integrand for PixelBeam {
         set: &PointSet,
         first_trial: u32,
         means: &mut [f64],
+        cancel: &AtomicBool,
     ) -> bool {
         /// Strata per axis up to which f32 positions leave no mark on the variance.
         const MAX_STRATA: u64 = 4096;
-        /// Facets beyond which strata are so crowded that samples are sorted into cells first.
-        const MANY: usize = 1000;
         if set.scramble != Scramble::None {
             return false;
         }
         let n = set.key.n_samples;
+        let placement = sampler.placement();
+        let strata = match (placement, sampler.strata(n, 2).as_deref()) {
+            (Placement::Strata, Some(&[columns, rows])) if columns.max(rows) <= MAX_STRATA => {
+                Some(Strata::new([columns as u32, rows as u32]))
+            }
+            _ => None,
+        };
+        if self.facets.is_empty() && placement != Placement::Other {
+            means.fill(self.background);
+            return true;
+        }
         let (isa, pixel) = (self.isa, &self.pixel32);
         let settle = |list: &[Entry], s: f64, t: f64| self.settle(list, s, t);
-        let streams: Vec<_> = (first_trial..)
-            .take(means.len())
-            .map(|trial| StreamKey { trial, ..set.key }.stream())
-            .collect();
-        match sampler.name() {
-            "jittered" => {
-                let strata = strata_per_axis(n, 2);
-                if strata.iter().any(|k| *k > MAX_STRATA) {
-                    return false;
-                }
-                let strata = Strata::new([strata[0] as u32, strata[1] as u32]);
-                if self.facets.len() > MANY {
-                    let (cells, placement) = (self.cells(), Placement::Strata(&strata));
-                    simd::scattered_sums(isa, pixel, cells, &placement, &streams, means, &settle);
-                } else {
-                    simd::strata_sums(isa, pixel, &strata, &streams, means, &settle);
-                }
+        let trials = Trials { key: &set.key, first: first_trial, cancel };
+        match (placement, strata, u32::try_from(n)) {
+            (Placement::Strata, Some(strata), _) => {
+                // Another thread may be at work on this pixel.
+                let mut kept = self.work.try_lock();
+                let mut own = Work::default();
+                let work = kept.as_deref_mut().unwrap_or(&mut own);
+                simd::strata_sums(isa, pixel, &strata, &trials, means, work, &settle);
             }
-            "random" => {
-                let Ok(n) = u32::try_from(n) else { return false };
-                let (cells, placement) = (self.cells(), Placement::Anywhere(n));
-                simd::scattered_sums(isa, pixel, cells, &placement, &streams, means, &settle);
+            (Placement::Independent, _, Ok(n)) => {
+                simd::scattered_sums(isa, pixel, self.cells(), n, &trials, means, &settle);
             }
             _ => return false,
         }
@@ -270,7 +272,7 @@ impl Integrand for PixelBeam {
 /// Facets of the triangles that are not certainly hidden, nearest leaf first.
 fn visible_facets(scene: &Scene, bvh: &Bvh2, centred: &CentredFrame) -> Vec<Facet> {
     let eye = scene.camera.eye;
-    let frustum = Frustum::new(centred, scene.camera.frame()[0]);
+    let frustum = Frustum::new(centred);
     let mut facets: Vec<Facet> = Vec::new();
     // 1/t that some covering facet reaches everywhere in the pixel.
     let mut horizon = 0.0;
@@ -289,6 +291,8 @@ fn visible_facets(scene: &Scene, bvh: &Bvh2, centred: &CentredFrame) -> Vec<Face
         (horizon.recip() * (1.0 + 1e-6)) as f32
     });
     facets.retain(|facet| facet.inverse_depth_range()[1] >= horizon * (1.0 - 1e-9));
+    let farthest_last = |facet: &Facet| -facet.inverse_depth_range()[1];
+    facets.sort_by(|a, b| farthest_last(a).total_cmp(&farthest_last(b)));
     facets
 }
 
@@ -299,6 +303,8 @@ fn facet_lanes(facet: &Facet) -> Facet32 {
     Facet32 {
         lanes: lanes([facet.edges[0], facet.edges[1], facet.edges[2], *w]),
         w_slack,
+        w_hi: facet.inverse_depth_range()[1] as f32 + 2.0 * w_slack,
+        rows: [facet.rows[0] as f32 - 1e-6, facet.rows[1] as f32 + 1e-6],
         ..Facet32::default()
     }
 }

@@ -7,7 +7,7 @@
 //! directional light is the same with the edges' planes along its direction.
 
 use crate::beam::affine::{Affine, CentredFrame};
-use crate::beam::facet::{Facet, comes_first};
+use crate::beam::facet::{Facet, ordered_edges};
 use crate::beam::pixel::lanes;
 use crate::scene::{Light, Scene};
 use crate::simd::Lanes4;
@@ -65,16 +65,14 @@ impl Occluder {
             (sum, direct.magnitude().max(shift.magnitude()))
         };
         let mut conditions = [Affine::default(); 4];
-        for (condition, (from, to)) in conditions.iter_mut().zip([(0, 1), (1, 2), (2, 0)]) {
-            let keep = comes_first(&corner[from], &corner[to]);
-            let (p, q) = if keep { (corner[from], corner[to]) } else { (corner[to], corner[from]) };
-            let sign = if keep { side.signum() } else { -side.signum() };
+        for (condition, (from, to, sign)) in conditions.iter_mut().zip(ordered_edges(&corner)) {
+            let (p, q) = (corner[from], corner[to]);
             let plane = match along {
                 Line::From(source) => (p - source).cross(q - p),
                 Line::Along(direction) => direction.cross(q - p),
             };
             let (function, _) = beyond(plane, p);
-            *condition = scaled(function, function.magnitude(), sign)?;
+            *condition = scaled(function, function.magnitude(), sign * side.signum())?;
         }
         let (function, magnitude) = beyond(normal, corner[0]);
         let function = scaled(function, magnitude, side.signum())?;

@@ -9,6 +9,7 @@ use crate::trace::{TracedScene, Tracer};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
+use std::sync::atomic::AtomicBool;
 
 /// A scene whose radiance tells which triangle was hit: triangle i emits i + 1.
 fn labelled(triangles: &[[DVec3; 3]], resolution: [u32; 2], fov_y: f64) -> TracedScene {
@@ -199,6 +200,7 @@ fn all_instruction_sets_give_the_same_bits() {
                 let beam = PixelBeam::new(scene, bvh, pixel, Channel::Luminance).unwrap();
                 let beam = beam.with_isa(isa);
                 let mut all = Vec::new();
+                let never = AtomicBool::new(false);
                 for (sampler, n) in
                     [(&Jittered as &dyn Sampler, 49), (&Jittered, 30), (&Random, 50)]
                 {
@@ -207,7 +209,7 @@ fn all_instruction_sets_give_the_same_bits() {
                         StreamKey { seed, pixel, sampler: sampler_id, n_samples: n, trial: 0 };
                     let set = PointSet { key, dim: 2, scramble: Scramble::None, rectangular: true };
                     let mut means = vec![0.0; 21];
-                    assert!(beam.trial_means(sampler, &set, 3, &mut means));
+                    assert!(beam.trial_means(sampler, &set, 3, &mut means, &never));
                     all.extend(means);
                 }
                 all

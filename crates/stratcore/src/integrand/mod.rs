@@ -21,6 +21,7 @@ pub use catalogue::{CATALOGUE, IntegrandError, IntegrandInfo, ParamInfo, by_name
 
 use crate::sampler::{PointSet, Sampler};
 use serde::Serialize;
+use std::sync::atomic::AtomicBool;
 
 /// A function f on [0, 1)^d.
 pub trait Integrand: Sync {
@@ -44,13 +45,15 @@ pub trait Integrand: Sync {
 
     /// A faster way to the means of trials `first_trial ..`, where this integrand has one for
     /// this sampler: overwrites `means` and returns true. Otherwise the points are drawn and
-    /// evaluated one by one ([`crate::trial`]).
+    /// evaluated one by one ([`crate::trial`]). Once `cancel` is set, what is written means
+    /// nothing.
     fn trial_means(
         &self,
         _sampler: &dyn Sampler,
         _set: &PointSet,
         _first_trial: u32,
         _means: &mut [f64],
+        _cancel: &AtomicBool,
     ) -> bool {
         false
     }
@@ -115,8 +118,9 @@ impl<I: Integrand + ?Sized> Integrand for &I {
         set: &PointSet,
         first_trial: u32,
         means: &mut [f64],
+        cancel: &AtomicBool,
     ) -> bool {
-        (**self).trial_means(sampler, set, first_trial, means)
+        (**self).trial_means(sampler, set, first_trial, means, cancel)
     }
     fn reference(&self) -> Option<Reference> {
         (**self).reference()

@@ -6,6 +6,7 @@ use crate::rng::StreamKey;
 use crate::sampler::{PointSet, Sampler};
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::f64::consts::TAU;
+use std::sync::atomic::AtomicBool;
 
 /// 1 where n·x < t, in the plane.
 pub(super) struct Line {
@@ -136,6 +137,7 @@ impl Integrand for NormalMeans {
         set: &PointSet,
         first_trial: u32,
         means: &mut [f64],
+        _cancel: &AtomicBool,
     ) -> bool {
         let scale = (set.key.n_samples as f64).sqrt().recip();
         for (trial, mean) in (first_trial..).zip(means) {

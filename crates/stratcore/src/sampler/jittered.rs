@@ -1,7 +1,7 @@
 //! One point per cell of a grid: the paper's stratified sampling.
 
 use super::random::UniformPoints;
-use super::{BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble};
+use super::{BELOW_ONE, Facts, Kind, Placement, PointSet, Points, Sampler, Scramble};
 use crate::rng::Stream;
 use crate::simd::{self, BLOCK, Divisor, Isa, Loop};
 
@@ -32,6 +32,9 @@ impl Sampler for Jittered {
     }
     fn strata(&self, n: u64, dim: usize) -> Option<Vec<u64>> {
         Some(strata_per_axis(n, dim))
+    }
+    fn placement(&self) -> Placement {
+        Placement::Strata
     }
     fn construct(&self, set: &PointSet) -> Box<dyn Points> {
         let (n, stream) = (set.key.n_samples, set.key.stream());

@@ -151,6 +151,17 @@ pub struct Facts {
     pub is_random: bool,
 }
 
+/// How the unscrambled points of a set follow from its stream, two dimensions to a pair.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Placement {
+    /// Point i is pair i of the set's stream.
+    Independent,
+    /// Point i is pair i of the set's stream, within cell i of [`Sampler::strata`].
+    Strata,
+    /// In a way of its own.
+    Other,
+}
+
 /// A rule that places N points in [0, 1)^d.
 pub trait Sampler: Send + Sync {
     /// What is true of all its sets.
@@ -183,6 +194,10 @@ pub trait Sampler: Send + Sync {
     /// grid of strata.
     fn strata(&self, _n: u64, _dim: usize) -> Option<Vec<u64>> {
         None
+    }
+    /// How its unscrambled points lie, for integrands that make the same points themselves.
+    fn placement(&self) -> Placement {
+        Placement::Other
     }
     /// Makes the points of its own construction and of those scrambles that work on it.
     /// [`Sampler::points`] calls it with [`Scramble::None`] for those that work on any points.

@@ -1,6 +1,6 @@
 //! Uniform independent points: the paper's `O(1/N)` baseline.
 
-use super::{Facts, Kind, PointSet, Points, Sampler, Scramble};
+use super::{Facts, Kind, Placement, PointSet, Points, Sampler, Scramble};
 use crate::rng::Stream;
 use crate::simd::{self, BLOCK, Isa, Loop};
 
@@ -26,6 +26,9 @@ impl Sampler for Random {
     }
     fn neighbours(&self, _n: u64, _dim: usize) -> (Option<u64>, Option<u64>) {
         (None, Some(1))
+    }
+    fn placement(&self) -> Placement {
+        Placement::Independent
     }
     fn construct(&self, set: &PointSet) -> Box<dyn Points> {
         Box::new(UniformPoints { stream: set.key.stream(), dim: set.dim })

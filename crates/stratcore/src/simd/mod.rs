@@ -1,25 +1,32 @@
 //! Vector instructions, chosen at run time: the only module with `unsafe`.
 //!
-//! `kernel` holds the loops, on plain arrays. Here they are compiled once for each
+//! The loops are written once for any vector, in functions that must stay `inline(always)`.
+//! Here they are compiled once for each
 //! instruction set and once without any: that plain twin is what tests compare with, and what
 //! runs on a machine that has none of the others. All give the same bits.
 
 #![expect(unsafe_code, reason = "calling a function compiled for a CPU feature is unsafe")]
 
 mod cells;
+mod dissect;
+mod draw;
 mod fill;
-mod kernel;
+mod raster;
+mod scatter;
+mod shader;
+mod strata;
 mod types;
 mod vector;
+mod visible;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-use crate::rng::Stream;
+use draw::Group;
 use std::sync::OnceLock;
 
 pub(crate) use cells::Cells;
+pub(crate) use draw::Trials;
 pub(crate) use fill::{BLOCK, Divisor, Loop, run};
-pub(crate) use kernel::Placement;
 pub(crate) use types::{
     Entry, Exact, Facet32, Ground, Lanes4, Pixel32, Rect, Shading, Strata, Work,
 };
@@ -78,14 +85,14 @@ impl Isa {
 
 /// Calls a kernel, for one vector, with the shader of the pixel.
 macro_rules! shaded {
-    ($vector:ty, $kernel:ident($pixel:expr $(, $argument:expr)*)) => {
+    ($vector:ty, $module:ident::$kernel:ident($pixel:expr $(, $argument:expr)*)) => {
         match $pixel.ground.shading {
-            Shading::Polynomial => kernel::$kernel::<Polynomial, $vector>($pixel $(, $argument)*),
+            Shading::Polynomial => $module::$kernel::<Polynomial, $vector>($pixel $(, $argument)*),
             Shading::WideHeadlight => {
-                kernel::$kernel::<WideHeadlight, $vector>($pixel $(, $argument)*)
+                $module::$kernel::<WideHeadlight, $vector>($pixel $(, $argument)*)
             }
-            Shading::Directional => kernel::$kernel::<Directional, $vector>($pixel $(, $argument)*),
-            Shading::Point => kernel::$kernel::<Point, $vector>($pixel $(, $argument)*),
+            Shading::Directional => $module::$kernel::<Directional, $vector>($pixel $(, $argument)*),
+            Shading::Point => $module::$kernel::<Point, $vector>($pixel $(, $argument)*),
         }
     };
 }
@@ -95,43 +102,47 @@ macro_rules! shaded {
 macro_rules! compiled_for {
     ($module:ident, $features:literal, $vector:ty) => {
         mod $module {
-            use super::kernel::{self, Directional, Group, Point, Polynomial, WideHeadlight};
-            use super::vector::Vector;
-            use super::{Cells, Exact, Pixel32, Placement, Shading, Strata, Stream, Work};
+            use super::shader::{Directional, Point, Polynomial, WideHeadlight};
+            use super::{Cells, Exact, Group, Pixel32, Shading, Strata, Trials, Work};
+            use super::{dissect, scatter, strata};
 
             type V = $vector;
 
             #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
             pub(super) fn strata_sums(
                 pixel: &Pixel32,
-                strata: &Strata,
-                streams: &[Stream],
+                grid: &Strata,
+                trials: &Trials<'_>,
                 sums: &mut [f64],
+                work: &mut Work,
                 exact: Exact<'_>,
             ) {
-                let mut groups: Vec<Group<V>> = streams.chunks(V::LANES).map(Group::new).collect();
-                let mut work = Work::default();
-                shaded!(V, strata_sums(pixel, strata, &mut groups, &mut work, exact));
-                for (sums, group) in sums.chunks_mut(V::LANES).zip(&groups) {
-                    sums.copy_from_slice(&V::sum_store(group.sum)[..sums.len()]);
-                }
+                let mut groups = Group::<V>::all(trials, sums.len());
+                let (next, cancel) =
+                    (|work: &mut Work| next_pieces(pixel, grid, work), trials.cancel);
+                shaded!(
+                    V,
+                    strata::strata_sums(pixel, grid, &mut groups, work, next, exact, cancel)
+                );
+                Group::store(&groups, sums);
             }
 
             #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
             pub(super) fn scattered_sums(
                 pixel: &Pixel32,
                 cells: &Cells,
-                placement: &Placement<'_>,
-                streams: &[Stream],
+                n: u32,
+                trials: &Trials<'_>,
                 sums: &mut [f64],
                 exact: Exact<'_>,
             ) {
-                let mut groups: Vec<Group<V>> = streams.chunks(V::LANES).map(Group::new).collect();
-                let n_trials = streams.len();
-                shaded!(V, scattered_sums(pixel, cells, placement, &mut groups, n_trials, exact));
-                for (sums, group) in sums.chunks_mut(V::LANES).zip(&groups) {
-                    sums.copy_from_slice(&V::sum_store(group.sum)[..sums.len()]);
-                }
+                let mut groups = Group::<V>::all(trials, sums.len());
+                let (cancel, n_trials) = (trials.cancel, sums.len());
+                shaded!(
+                    V,
+                    scatter::scattered_sums(pixel, cells, n, &mut groups, n_trials, exact, cancel)
+                );
+                Group::store(&groups, sums);
             }
 
             #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
@@ -143,12 +154,19 @@ macro_rules! compiled_for {
                 exact: Exact<'_>,
             ) {
                 let mut order = vec![0; values.len()];
-                shaded!(V, values_at(pixel, cells, positions, values, &mut order, exact));
+                shaded!(V, scatter::values_at(pixel, cells, positions, values, &mut order, exact));
             }
 
             #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
             pub(super) fn cells(pixel: &Pixel32, per_axis: u32) -> Cells {
-                shaded!(V, cells(pixel, per_axis))
+                Cells::new(pixel, per_axis, |grid, work| next_pieces(pixel, grid, work))
+            }
+
+            /// Large, and the same for all shaders: compiled once.
+            #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
+            #[inline(never)]
+            fn next_pieces(pixel: &Pixel32, grid: &Strata, work: &mut Work) -> bool {
+                dissect::next_pieces::<V>(pixel, grid, work)
             }
         }
     };
@@ -177,30 +195,31 @@ macro_rules! dispatch {
     };
 }
 
-/// Overwrites `sums[t]` with the sum over the samples that trial t draws from `streams[t]`: one
-/// in each stratum.
+/// Overwrites `sums[t]` with the sum over the samples of trial t of `trials`: one in each
+/// stratum. Once cancelled, what is written means nothing.
 pub(crate) fn strata_sums(
     isa: Isa,
     pixel: &Pixel32,
     strata: &Strata,
-    streams: &[Stream],
+    trials: &Trials<'_>,
     sums: &mut [f64],
+    work: &mut Work,
     exact: Exact<'_>,
 ) {
-    dispatch!(isa, strata_sums(pixel, strata, streams, sums, exact));
+    dispatch!(isa, strata_sums(pixel, strata, trials, sums, work, exact));
 }
 
-/// The same for samples of any placement, found through the pixel's cells.
+/// The same for `n` samples that may lie anywhere, found through the pixel's cells.
 pub(crate) fn scattered_sums(
     isa: Isa,
     pixel: &Pixel32,
     cells: &Cells,
-    placement: &Placement<'_>,
-    streams: &[Stream],
+    n: u32,
+    trials: &Trials<'_>,
     sums: &mut [f64],
     exact: Exact<'_>,
 ) {
-    dispatch!(isa, scattered_sums(pixel, cells, placement, streams, sums, exact));
+    dispatch!(isa, scattered_sums(pixel, cells, n, trials, sums, exact));
 }
 
 /// Overwrites `values` with those at positions (s, t) about the pixel's centre.

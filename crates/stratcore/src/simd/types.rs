@@ -1,6 +1,8 @@
 //! What the kernels read and write, in f32 and in the order in which they want it.
 
-use super::vector::Extent;
+use super::dissect::Piece;
+use super::raster::{Probe, Tile};
+use super::vector::{Extent, MAX_LANES};
 use std::ops::Range;
 
 /// Four affine functions of the position (s, t) in the pixel, side by side: three edges and
@@ -19,6 +21,10 @@ pub(crate) struct Facet32 {
     pub lanes: Lanes4,
     /// Rounding of 1/t anywhere in the pixel.
     pub w_slack: f32,
+    /// Greatest 1/t in the pixel, at the least. Facets come in falling order of it.
+    pub w_hi: f32,
+    /// Reaches from row to row, t of the pixel, at the most.
+    pub rows: [f32; 2],
     /// Radiance as a polynomial c, s, t, ss, st, tt; under other shaders than the polynomial
     /// one only c counts, the part that needs no light.
     pub shade: [f32; 6],
@@ -105,11 +111,6 @@ pub(crate) struct Rect {
 }
 
 impl Rect {
-    #[inline(always)]
-    pub(super) fn is_single(&self) -> bool {
-        self.i[1] - self.i[0] == 1 && self.j[1] - self.j[0] == 1
-    }
-
     /// Halves across the longer side.
     #[inline(always)]
     pub(super) fn halves(&self) -> [Self; 2] {
@@ -152,6 +153,21 @@ impl Strata {
         [self.bounds[0][i as usize], self.bounds[1][j as usize]]
     }
 
+    /// The middle of a stratum.
+    #[inline(always)]
+    pub(super) fn middle(&self, i: u32, j: u32) -> [f32; 2] {
+        let middle = |axis: usize, at: u32| {
+            0.5 * (self.bounds[axis][at as usize] + self.bounds[axis][at as usize + 1])
+        };
+        [middle(0, i), middle(1, j)]
+    }
+
+    /// Half the width and height of a stratum.
+    #[inline(always)]
+    pub(super) fn half(&self) -> [f32; 2] {
+        self.per_axis.map(|k| 0.5 / k as f32)
+    }
+
     #[inline(always)]
     pub(super) fn extent(&self, rect: &Rect) -> Extent {
         let ends = |axis: usize, ends: [u32; 2]| ends.map(|end| self.bounds[axis][end as usize]);
@@ -172,4 +188,35 @@ pub(crate) struct Work {
     pub(super) entries: Vec<Entry>,
     pub(super) occluders: Vec<u32>,
     pub(super) stack: Vec<Rect>,
+    pub(super) probes: Vec<Probe>,
+    pub(super) records: Vec<Record>,
+    pub(super) shades: Vec<Shade>,
+    pub(super) tile: Option<Tile>,
+    /// The lists of the pieces' strata; their occluders are in `occluders`.
+    pub(super) list: Vec<Entry>,
+    pub(super) pieces: Vec<Piece>,
+}
+
+/// Where a facet meets a vector of strata.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Record {
+    /// Its place in the tile's list.
+    pub entry: u32,
+    /// Bit l: it may be seen in stratum l.
+    pub strata: u32,
+    /// Bit l: it covers stratum l.
+    pub covers: u32,
+    /// Greatest 1/t in each stratum.
+    pub w_hi: [f32; MAX_LANES],
+    /// Bit l: it is wholly in shadow in stratum l.
+    pub shadowed: u32,
+    /// What may shadow a part of it, a run of [`Work::shades`].
+    pub shades: [u32; 2],
+}
+
+/// An occluder, and the strata of a vector in which it may shadow a part of a facet.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shade {
+    pub occluder: u32,
+    pub strata: u32,
 }

@@ -6,6 +6,7 @@ use crate::integrand::Integrand;
 use crate::sampler::{PointSet, Sampler};
 use crate::scene::{Channel, PixelFrame};
 use serde::{Deserialize, Serialize};
+use std::sync::atomic::AtomicBool;
 
 /// How the samples of a pixel are traced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -81,8 +82,9 @@ impl Integrand for PixelIntegrand<'_> {
         set: &PointSet,
         first_trial: u32,
         means: &mut [f64],
+        cancel: &AtomicBool,
     ) -> bool {
-        self.inner().trial_means(sampler, set, first_trial, means)
+        self.inner().trial_means(sampler, set, first_trial, means, cancel)
     }
 }
 

@@ -141,7 +141,7 @@ impl Job {
     ) -> Self {
         const MOST_TRIALS: u32 = 1 << 16;
         let fused = subjects.iter().zip(&sets).all(|(subject, set)| {
-            subject.integrand.trial_means(choice.sampler, set, 0, &mut [0.0])
+            subject.integrand.trial_means(choice.sampler, set, 0, &mut [0.0], control.cancel)
         });
         let (whole, generation) = Default::default();
         let mut job = Self { choice, sets, trials: 1, whole, generation, fused };

@@ -1,0 +1,80 @@
+//! How radiance depends on the sample, for a vector of samples.
+
+use super::vector::Vector;
+use super::{Facet32, Ground, Lanes4};
+
+/// How a facet's radiance depends on the sample; chosen once per pixel.
+pub(super) trait Shader {
+    /// Whether shadows exist under this shader.
+    const SHADOWS: bool;
+    /// Radiance at samples (s, t) with inverse depth `w`, relative to the pixel's ground value.
+    fn shade<V: Vector>(ground: &Ground, facet: &Facet32, s: V, t: V, w: V, lit: V::Mask) -> V;
+}
+
+/// A polynomial of second order: exact to rounding for a narrow pixel under a headlight, for
+/// emission and for the background.
+pub(super) struct Polynomial;
+
+impl Shader for Polynomial {
+    const SHADOWS: bool = false;
+    #[inline(always)]
+    fn shade<V: Vector>(_: &Ground, facet: &Facet32, s: V, t: V, _: V, _: V::Mask) -> V {
+        quadratic(&facet.shade, s, t)
+    }
+}
+
+/// A headlight seen through a wide pixel: albedo (n·D) / |D|.
+pub(super) struct WideHeadlight;
+
+impl Shader for WideHeadlight {
+    const SHADOWS: bool = false;
+    #[inline(always)]
+    fn shade<V: Vector>(ground: &Ground, facet: &Facet32, s: V, t: V, _: V, _: V::Mask) -> V {
+        let [c, along_s, along_t, ..] = facet.shade_gain;
+        let cosine = s.mul_add(V::splat(along_s), t.mul_add(V::splat(along_t), V::splat(c)));
+        let length = quadratic(&ground.length_squared, s, t).sqrt();
+        cosine.div(length).add(V::splat(facet.shade[0]))
+    }
+}
+
+/// A directional light: what is lit adds a constant.
+pub(super) struct Directional;
+
+impl Shader for Directional {
+    const SHADOWS: bool = true;
+    #[inline(always)]
+    fn shade<V: Vector>(_: &Ground, facet: &Facet32, _: V, _: V, _: V, lit: V::Mask) -> V {
+        let base = facet.shade[0];
+        V::select(lit, V::splat(base + facet.shade_gain[0]), V::splat(base))
+    }
+}
+
+/// A point light: what is lit adds albedo h w³ / |l w - D|³, h the light's height over the
+/// facet's plane.
+pub(super) struct Point;
+
+impl Shader for Point {
+    const SHADOWS: bool = true;
+    #[inline(always)]
+    fn shade<V: Vector>(_: &Ground, facet: &Facet32, s: V, t: V, w: V, lit: V::Mask) -> V {
+        let ratio = w.div(quadratic(&facet.to_light, s, t).sqrt());
+        let cube = ratio.mul(ratio).mul(ratio);
+        let base = V::splat(facet.shade[0]);
+        V::select(lit, cube.mul_add(V::splat(facet.shade_gain[0]), base), base)
+    }
+}
+
+#[inline(always)]
+fn quadratic<V: Vector>(q: &[f32; 6], s: V, t: V) -> V {
+    let [c, qs, qt, qss, qst, qtt] = q.map(V::splat);
+    let along_s = s.mul_add(qss, t.mul_add(qst, qs));
+    let along_t = t.mul_add(qtt, qt);
+    s.mul_add(along_s, t.mul_add(along_t, c))
+}
+
+#[inline(always)]
+pub(super) fn affine<V: Vector>(functions: &Lanes4, which: usize, s: V, t: V) -> V {
+    let [c, along_s, along_t] =
+        [functions.c[which], functions.s[which], functions.t[which]].map(V::splat);
+    s.mul_add(along_s, t.mul_add(along_t, c))
+}

@@ -1,0 +1,415 @@
+//! The beam against an f64 test of its own making, triangle by triangle.
+//!
+//! The reference shares nothing with the beam or the BVH: candidates are all triangles whose
+//! projected bounding box touches the pixel, and each is met by Möller and Trumbore's test
+//! (*Fast, Minimum Storage Ray-Triangle Intersection*, 1997) in f64.
+
+use glam::DVec3;
+use rand::{RngExt, SeedableRng};
+use rand_xoshiro::Xoshiro256PlusPlus;
+use rayon::prelude::*;
+use stratcore::beam::PixelBeam;
+use stratcore::integrand::Integrand;
+use stratcore::scene::library::icosphere;
+use stratcore::scene::{Camera, Channel, Light, Material, Mesh, Scene, load};
+use stratcore::trace::{TracedScene, Tracer};
+
+/// A pinhole's view of the mesh.
+struct View {
+    origin: DVec3,
+    right: DVec3,
+    up: DVec3,
+    forward: DVec3,
+}
+
+impl View {
+    fn new(origin: DVec3, towards: DVec3) -> Self {
+        let forward = towards.normalize();
+        let (right, up) = forward.any_orthonormal_pair();
+        Self { origin, right, up, forward }
+    }
+
+    /// Where a direction crosses the plane at distance 1, and its depth.
+    fn project(&self, direction: DVec3) -> ([f64; 2], f64) {
+        let depth = direction.dot(self.forward);
+        ([direction.dot(self.right) / depth, direction.dot(self.up) / depth], depth)
+    }
+
+    /// All triangles that may be seen within a box on that plane: those that reach behind the
+    /// pinhole, and those whose projected box touches it.
+    fn touching(&self, mesh: &Mesh, [lo, hi]: [[f64; 2]; 2]) -> Vec<u32> {
+        let touches = |id: &u32| {
+            let corners = mesh.corners(*id as usize).map(|p| p - self.origin);
+            let depths = corners.map(|p| p.dot(self.forward));
+            if depths.iter().all(|depth| *depth < 0.0) {
+                return false;
+            }
+            if depths.iter().zip(&corners).any(|(depth, p)| *depth <= 1e-9 * p.length()) {
+                return true;
+            }
+            let places = corners.map(|p| self.project(p).0);
+            (0..2).all(|axis| {
+                let [a, b, c] = places.map(|place| place[axis]);
+                a.min(b).min(c) <= hi[axis] + 1e-9 && a.max(b).max(c) >= lo[axis] - 1e-9
+            })
+        };
+        (0..mesh.triangles.len() as u32).filter(touches).collect()
+    }
+}
+
+/// The smallest box around points, a little wider.
+fn bounds(points: impl Iterator<Item = [f64; 2]>) -> [[f64; 2]; 2] {
+    let start = [[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]];
+    let [lo, hi] = points.fold(start, |[lo, hi], p| {
+        [[lo[0].min(p[0]), lo[1].min(p[1])], [hi[0].max(p[0]), hi[1].max(p[1])]]
+    });
+    [lo.map(|x| x - 1e-9), hi.map(|x| x + 1e-9)]
+}
+
+/// Distance along the direction, by Möller and Trumbore.
+fn meets([a, b, c]: [DVec3; 3], origin: DVec3, direction: DVec3) -> Option<f64> {
+    let (e1, e2) = (b - a, c - a);
+    let p = direction.cross(e2);
+    let determinant = e1.dot(p);
+    if determinant == 0.0 {
+        return None;
+    }
+    let from_a = origin - a;
+    let u = from_a.dot(p) / determinant;
+    let q = from_a.cross(e1);
+    let v = direction.dot(q) / determinant;
+    let t = e2.dot(q) / determinant;
+    (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0).then_some(t)
+}
+
+/// What the reference needs of one pixel.
+struct Reference<'a> {
+    scene: &'a Scene,
+    pixel: [u32; 2],
+    candidates: Vec<u32>,
+}
+
+impl<'a> Reference<'a> {
+    fn new(scene: &'a Scene, pixel: [u32; 2]) -> Self {
+        let [forward, right, up] = scene.camera.frame();
+        let view = View { origin: scene.camera.eye, right, up, forward };
+        let frame = scene.camera.pixel(pixel);
+        let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
+        let corners = corners.map(|[u, v]| view.project(frame.direction(u, v)).0);
+        let candidates = view.touching(&scene.mesh, bounds(corners.into_iter()));
+        Self { scene, pixel, candidates }
+    }
+
+    fn direction(&self, [u, v]: [f64; 2]) -> DVec3 {
+        self.scene.camera.pixel(self.pixel).direction(u, v)
+    }
+
+    /// The nearest triangle and its distance; of equals the first.
+    fn hit(&self, place: [f64; 2]) -> Option<(u32, f64)> {
+        let (eye, direction) = (self.scene.camera.eye, self.direction(place));
+        let mut best = None;
+        for &id in &self.candidates {
+            if let Some(t) = meets(self.scene.mesh.corners(id as usize), eye, direction)
+                && best.is_none_or(|(_, nearest)| t < nearest)
+            {
+                best = Some((id, t));
+            }
+        }
+        best
+    }
+
+    /// The places around one, 1e-9 pixel away: a sample on an edge may see what they see.
+    fn around([u, v]: [f64; 2]) -> [[f64; 2]; 8] {
+        let e = 1e-9;
+        [[-e, 0.0], [e, 0.0], [0.0, -e], [0.0, e], [-e, -e], [e, -e], [-e, e], [e, e]]
+            .map(|[a, b]| [u + a, v + b])
+    }
+
+    /// Whether a triangle, or none, is as good an answer as the reference's own: on an edge, or
+    /// at equal depth to 1e-12.
+    fn admits(&self, place: [f64; 2], seen: Option<u32>) -> bool {
+        let hit = self.hit(place);
+        let level = || {
+            let (Some(seen), Some((_, t))) = (seen, hit) else { return false };
+            let corners = self.scene.mesh.corners(seen as usize);
+            meets(corners, self.scene.camera.eye, self.direction(place))
+                .is_some_and(|other| (other / t - 1.0).abs() < 1e-12)
+        };
+        hit.map(|(id, _)| id) == seen
+            || level()
+            || Self::around(place).iter().any(|p| self.hit(*p).map(|(id, _)| id) == seen)
+    }
+}
+
+/// What happened to many samples.
+#[derive(Debug, Default, Clone, Copy)]
+struct Tally {
+    samples: u64,
+    /// Answers other than the reference's, on an edge or at equal depth.
+    ties: u64,
+    /// Any others.
+    mismatches: u64,
+}
+
+impl Tally {
+    fn plus(self, other: Self) -> Self {
+        Self {
+            samples: self.samples + other.samples,
+            ties: self.ties + other.ties,
+            mismatches: self.mismatches + other.mismatches,
+        }
+    }
+}
+
+/// The scene with a radiance that tells which triangle was hit: i + 1 from triangle i, 0 from
+/// the background.
+fn labelled(mut scene: Scene) -> Scene {
+    let n = scene.mesh.triangles.len() as u32;
+    scene.light = Light::Headlight;
+    scene.ambient = [0.0; 3];
+    scene.background = [0.0; 3];
+    scene.mesh.materials = (0..n).collect();
+    let label = |i| Material { name: String::new(), kd: [0.0; 3], ke: [f64::from(i + 1); 3] };
+    scene.materials = (0..n).map(label).collect();
+    scene
+}
+
+/// Places in the pixel that the beam represents exactly: offsets from its middle in f32.
+fn places(seed: u64, n: usize) -> Vec<f64> {
+    let mut random = Xoshiro256PlusPlus::seed_from_u64(seed);
+    (0..2 * n).map(|_| f64::from(random.random_range(-0.5f32..0.5)) + 0.5).collect()
+}
+
+fn beam_of(traced: &TracedScene, pixel: [u32; 2], channel: Channel) -> PixelBeam {
+    PixelBeam::new(traced.scene(), traced.accel().bvh(), pixel, channel).unwrap()
+}
+
+fn values_of(integrand: &dyn Integrand, points: &[f64]) -> Vec<f64> {
+    let mut values = vec![0.0; points.len() / 2];
+    integrand.eval_block(points, &mut values);
+    values
+}
+
+fn seen(value: f64) -> Option<u32> {
+    (value > 0.0).then(|| value as u32 - 1)
+}
+
+/// `side` x `side` pixels spread over the picture.
+fn spread(camera: &Camera, side: u32) -> Vec<[u32; 2]> {
+    let at = |i: u32, axis: usize| (2 * i + 1) * camera.resolution[axis] / (2 * side);
+    (0..side * side).map(|i| [at(i % side, 0), at(i / side, 1)]).collect()
+}
+
+/// Which triangle every sample of the beam sees, in so many pixels.
+fn visibility(traced: &TracedScene, side: u32, n: usize) -> Tally {
+    let pixels = spread(&traced.scene().camera, side);
+    let one = |pixel: &[u32; 2]| {
+        let reference = Reference::new(traced.scene(), *pixel);
+        let points = places(u64::from(pixel[0]) << 32 | u64::from(pixel[1]), n);
+        let values = values_of(&beam_of(traced, *pixel, Channel::R), &points);
+        let mut tally = Tally { samples: n as u64, ..Tally::default() };
+        for (point, value) in points.chunks_exact(2).zip(values) {
+            let place = [point[0], point[1]];
+            if reference.hit(place).map(|(id, _)| id) != seen(value) {
+                let tie = reference.admits(place, seen(value));
+                tally.ties += u64::from(tie);
+                tally.mismatches += u64::from(!tie);
+            }
+        }
+        tally
+    };
+    pixels.par_iter().map(one).reduce(Tally::default, Tally::plus)
+}
+
+/// Luminance of every sample of the beam under a point light, shadows included.
+fn lighting(traced: &TracedScene, side: u32, n: usize) -> Tally {
+    let scene = traced.scene();
+    let Light::Point { position, intensity } = scene.light else { panic!("not a point light") };
+    let mesh = &scene.mesh;
+    let one = |pixel: &[u32; 2]| {
+        let reference = Reference::new(scene, *pixel);
+        let points = places(u64::from(pixel[0]) << 32 | u64::from(pixel[1]), n);
+        let values = values_of(&beam_of(traced, *pixel, Channel::Luminance), &points);
+        let hits: Vec<_> = points.chunks_exact(2).map(|p| reference.hit([p[0], p[1]])).collect();
+        // What may stand between the light and any point that is seen.
+        let eye = scene.camera.eye;
+        let point_of = |place: [f64; 2], t: f64| eye + reference.direction(place) * t;
+        let lit_points: Vec<_> = points
+            .chunks_exact(2)
+            .zip(&hits)
+            .filter_map(|(p, hit)| hit.map(|(id, t)| (id, point_of([p[0], p[1]], t))))
+            .collect();
+        let mut receivers: Vec<u32> = lit_points.iter().map(|(id, _)| *id).collect();
+        receivers.sort_unstable();
+        receivers.dedup();
+        let occluders: Vec<Vec<u32>> = receivers
+            .iter()
+            .map(|receiver| {
+                let mine = || lit_points.iter().filter(|(id, _)| id == receiver).map(|(_, p)| *p);
+                let Some(first) = mine().next() else { return Vec::new() };
+                let view = View::new(position, first - position);
+                view.touching(mesh, bounds(mine().map(|p| view.project(p - position).0)))
+            })
+            .collect();
+        let radiance = |place: [f64; 2]| {
+            let Some((id, t)) = reference.hit(place) else {
+                return Channel::Luminance.of(scene.background);
+            };
+            let point = point_of(place, t);
+            let normal = mesh.area_normal(id as usize).normalize();
+            let to_eye = eye - point;
+            let normal = if normal.dot(to_eye) < 0.0 { -normal } else { normal };
+            let to_light = position - point;
+            let cosine = normal.dot(to_light) / to_light.length();
+            let blocked = cosine <= 0.0
+                || receivers.binary_search(&id).is_ok_and(|at| {
+                    occluders[at].iter().any(|&other| {
+                        other != id
+                            && meets(mesh.corners(other as usize), position, -to_light)
+                                .is_some_and(|t| t < 1.0 - 1e-12)
+                    })
+                });
+            let material = &scene.materials[mesh.materials[id as usize] as usize];
+            Channel::Luminance.of(std::array::from_fn(|i| {
+                let direct =
+                    if blocked { 0.0 } else { intensity[i] * cosine / to_light.length_squared() };
+                material.ke[i] + material.kd[i] * (scene.ambient[i] + direct)
+            }))
+        };
+        let mut tally = Tally { samples: n as u64, ..Tally::default() };
+        for (point, value) in points.chunks_exact(2).zip(values) {
+            let place = [point[0], point[1]];
+            // f32 radiance of a few units in the last place; a shadow or another surface
+            // changes far more.
+            let agrees = |expected: f64| (value - expected).abs() < 2e-5 * expected.abs().max(0.1);
+            if !agrees(radiance(place)) {
+                let tie = Reference::around(place).iter().any(|p| agrees(radiance(*p)))
+                    || reference.admits(place, None);
+                tally.ties += u64::from(tie);
+                tally.mismatches += u64::from(!tie);
+            }
+        }
+        tally
+    };
+    spread(&scene.camera, side).par_iter().map(one).reduce(Tally::default, Tally::plus)
+}
+
+fn traced(name: &str) -> TracedScene {
+    TracedScene::new(labelled(load(name).unwrap()))
+}
+
+/// Ties have probability 0 on edges, but f32 places are a lattice: one sample in a million may
+/// come within 1e-9 of an edge.
+fn check(name: &str, tally: Tally) {
+    assert_eq!(tally.mismatches, 0, "{name}: {tally:?}");
+    assert!(tally.ties <= 2 + tally.samples / 1_000_000, "{name}: {tally:?}");
+}
+
+#[test]
+fn every_sample_sees_the_triangle_that_brute_force_sees() {
+    check("classic", visibility(&traced("classic"), 10, 2000));
+}
+
+#[test]
+fn every_sample_is_lit_as_brute_force_says() {
+    check(
+        "classic-shadows",
+        lighting(&TracedScene::new(load("classic-shadows").unwrap()), 8, 1000),
+    );
+}
+
+/// Over 10^8 samples on three scenes, and on those named in STRAT_TEST_SCENES, colon-separated:
+/// `cargo test -p stratcli --test beam -- --ignored --nocapture`
+#[test]
+#[ignore = "minutes"]
+fn a_hundred_million_samples_see_what_brute_force_sees() {
+    let others = std::env::var("STRAT_TEST_SCENES").unwrap_or_default();
+    let names = ["classic", "grass"].into_iter().chain(others.split(':').filter(|s| !s.is_empty()));
+    let mut all = Tally::default();
+    let mut report = |name: &str, tally: Tally| {
+        eprintln!("{name}: {tally:?}");
+        all = all.plus(tally);
+        check(name, tally);
+    };
+    report(
+        "classic-shadows",
+        lighting(&TracedScene::new(load("classic-shadows").unwrap()), 32, 32_000),
+    );
+    for name in names {
+        report(name, visibility(&traced(name), 32, 34_000));
+    }
+    assert!(all.samples >= 100_000_000, "{all:?}");
+}
+
+/// The two tracers on the same samples. Both are exact, so they may part only at ties; the count
+/// is named, and the reference sides with the beam in all.
+#[test]
+fn where_beam_and_bvh_disagree_the_reference_sides_with_the_beam() {
+    let beam = traced("classic");
+    let rays = traced("classic").with_tracer(Tracer::Bvh);
+    let (mut samples, mut disagreements, mut for_beam) = (0, 0, 0);
+    for pixel in spread(&beam.scene().camera, 12) {
+        let reference = Reference::new(beam.scene(), pixel);
+        let points = places(u64::from(pixel[0] * 1000 + pixel[1]), 1000);
+        let ours = values_of(&beam_of(&beam, pixel, Channel::R), &points);
+        let theirs = values_of(&rays.pixel(pixel, Channel::R), &points);
+        for (point, (a, b)) in points.chunks_exact(2).zip(ours.iter().zip(&theirs)) {
+            samples += 1;
+            if (a - b).abs() > 0.5 {
+                disagreements += 1;
+                for_beam += u64::from(reference.admits([point[0], point[1]], seen(*a)));
+            }
+        }
+    }
+    assert_eq!(for_beam, disagreements, "of {samples} samples");
+    assert!(disagreements <= 1, "{disagreements} of {samples} samples");
+}
+
+/// From inside a closed sphere no sample may see the background: not at random, not aimed at
+/// shared edges, not at vertices, in f32 or in f64.
+#[test]
+fn a_closed_sphere_leaks_nowhere() {
+    let mut scene = load("classic").unwrap();
+    scene.mesh = icosphere(4);
+    scene.camera = Camera {
+        eye: DVec3::new(0.15, -0.09, 0.12),
+        look_at: DVec3::new(1.0, 0.4, -0.3),
+        up: DVec3::Y,
+        fov_y: 100.0,
+        resolution: [24, 24],
+    };
+    let traced = TracedScene::new(labelled(scene));
+    let (scene, camera) = (traced.scene(), traced.scene().camera);
+    let [forward, right, up] = camera.frame();
+    let tan = (camera.fov_y.to_radians() / 2.0).tan();
+    // Edge points and vertices, by the pixel that shows them.
+    let mut aimed: Vec<Vec<f64>> = vec![Vec::new(); 24 * 24];
+    for triangle in &scene.mesh.triangles {
+        let corner = |i: usize| scene.mesh.positions[triangle[i % 3] as usize] - camera.eye;
+        for (i, step) in (0..3).flat_map(|i| (0..16).map(move |step| (i, step))) {
+            let d = corner(i).lerp(corner(i + 1), f64::from(step) / 16.0);
+            let depth = d.dot(forward);
+            if depth <= 0.0 {
+                continue;
+            }
+            let x = (d.dot(right) / depth / tan + 1.0) * 12.0;
+            let y = (1.0 - d.dot(up) / depth / tan) * 12.0;
+            if (0.0..24.0).contains(&x) && (0.0..24.0).contains(&y) {
+                let pixel = y.floor() as usize * 24 + x.floor() as usize;
+                aimed[pixel].extend([x.fract(), y.fract()]);
+            }
+        }
+    }
+    let n_aimed: usize = aimed.iter().map(|points| points.len() / 2).sum();
+    assert!(n_aimed > 10_000, "{n_aimed}");
+    let mut leaks = 0;
+    for (at, points) in (0..).zip(&aimed) {
+        let beam = beam_of(&traced, [at % 24, at / 24], Channel::R);
+        leaks += values_of(&beam, points).iter().filter(|value| **value == 0.0).count();
+        let dark = |p: &[f64]| beam.exact_sample(p[0], p[1]).0.is_none();
+        leaks += points.chunks_exact(2).filter(|p| dark(p)).count();
+        let values = values_of(&beam, &places(at.into(), 500));
+        leaks += values.iter().filter(|value| **value == 0.0).count();
+    }
+    assert_eq!(leaks, 0);
+}
