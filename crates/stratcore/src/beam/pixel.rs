@@ -8,7 +8,7 @@ use crate::beam::shadow::{Occluder, occluders};
 use crate::integrand::Integrand;
 use crate::rng::StreamKey;
 use crate::sampler::{PointSet, Sampler, Scramble, strata_per_axis};
-use crate::scene::{Channel, Light, Scene};
+use crate::scene::{Channel, Light, PixelFrame, Scene};
 use crate::simd::{
     self, Cells, Entry, Facet32, Ground, Isa, Lanes4, Pixel32, Placement, Shading, Strata,
 };
@@ -39,12 +39,23 @@ impl PixelBeam {
     /// Gathers and sets up what pixel (x, y) can see. `bvh` holds the scene's triangles,
     /// relative to the eye, in boxes that contain them.
     ///
-    /// None for a scene that asks for smooth shading: its radiance is not affine data.
+    /// None for a scene that asks for smooth shading, whose radiance is not affine data, and for
+    /// one whose pixels have more dimensions than their square, mirrors or glass.
     pub fn new(scene: &Scene, bvh: &Bvh2, pixel: [u32; 2], channel: Channel) -> Option<Self> {
-        if scene.mesh.corner_normals.is_some() {
+        Self::of_frame(scene, bvh, &scene.camera.pixel(pixel), channel)
+    }
+
+    /// The same for any parallelogram of the picture.
+    pub fn of_frame(
+        scene: &Scene,
+        bvh: &Bvh2,
+        frame: &PixelFrame,
+        channel: Channel,
+    ) -> Option<Self> {
+        if scene.mesh.corner_normals.is_some() || !scene.distribution.is_plain() {
             return None;
         }
-        let centred = CentredFrame::new(&scene.camera.pixel(pixel));
+        let centred = CentredFrame::new(frame);
         let facets = visible_facets(scene, bvh, &centred);
         let shades: Vec<_> =
             facets.iter().map(|facet| Shade::new(scene, channel, facet, &centred)).collect();
@@ -62,7 +73,7 @@ impl PixelBeam {
                 let turn = centred.du.length().max(centred.dv.length()) / length_squared.c.sqrt();
                 if turn < NARROW { Shading::Polynomial } else { Shading::WideHeadlight }
             }
-            Light::Directional { .. } => Shading::Directional,
+            Light::Off | Light::Directional { .. } => Shading::Directional,
             Light::Point { .. } => Shading::Point,
         };
         let inverse_root = length_squared.inverse_root();

@@ -48,7 +48,7 @@ impl Occluder {
                 (normal.dot(corner[0] - *position), Line::From(*position))
             }
             Light::Directional { towards, .. } => (-normal.dot(*towards), Line::Along(-*towards)),
-            Light::Headlight => return None,
+            Light::Off | Light::Headlight => return None,
         };
         if side == 0.0 || !side.is_finite() {
             return None;
@@ -105,7 +105,7 @@ pub(crate) fn occluders(
     let eye = scene.camera.eye;
     let patch = patch(scene, receiver, centred);
     let shaft = match scene.light {
-        Light::Headlight => return,
+        Light::Off | Light::Headlight => return,
         Light::Point { position, .. } => {
             let light = position - eye;
             Shaft { start: [light; 2], run: [patch[0] - light, patch[1] - light], end: 1.0 }

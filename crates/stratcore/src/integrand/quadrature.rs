@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 /// Nodes in [0, 1] and weights that sum to 1 of the rule with `count` nodes, exact for
 /// polynomials of degree 2 count - 1.
-pub(super) fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
+pub(crate) fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     let n = count as f64;
     (0..count)
         .map(|i| {

@@ -51,6 +51,14 @@ pub enum SceneError {
         /// What is wrong, and how to mend it.
         fault: CameraFault,
     },
+    /// A light, lens or other feature that is not described as it should be.
+    #[error("{path}: {fault}")]
+    Feature {
+        /// The file.
+        path: String,
+        /// What is wrong, and what is possible instead.
+        fault: String,
+    },
     /// A number that cannot be meant.
     #[error("{path}: {name} is {value:?}; {wanted}")]
     Value {

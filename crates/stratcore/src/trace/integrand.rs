@@ -1,6 +1,7 @@
 //! The integral of one pixel.
 
-use super::TracedScene;
+use super::rays::{Radiance, rays};
+use super::{Filtered, TracedScene};
 use crate::beam::PixelBeam;
 use crate::integrand::Integrand;
 use crate::sampler::{PointSet, Sampler};
@@ -13,24 +14,18 @@ pub enum Tracer {
     /// not serve are traced by rays.
     #[default]
     Beam,
-    /// One ray through the BVH per sample, in f64.
+    /// Rays through the BVH for each sample, in f64.
     Bvh,
 }
 
 /// A channel of the radiance over one pixel's square.
 pub enum PixelIntegrand<'a> {
-    /// By one ray per point.
-    Rays(PixelRays<'a>),
+    /// By rays.
+    Rays(Box<dyn Radiance + 'a>),
     /// By the pixel's beam.
     Beam(Box<PixelBeam>),
-}
-
-/// One ray through the BVH per point.
-#[derive(Clone, Copy)]
-pub struct PixelRays<'a> {
-    scene: &'a TracedScene,
-    frame: PixelFrame,
-    channel: Channel,
+    /// Either, under a reconstruction filter.
+    Filtered(Filtered<'a, PixelIntegrand<'a>>),
 }
 
 impl<'a> PixelIntegrand<'a> {
@@ -40,18 +35,35 @@ impl<'a> PixelIntegrand<'a> {
         channel: Channel,
         tracer: Tracer,
     ) -> Self {
-        if tracer == Tracer::Beam
-            && let Some(beam) = PixelBeam::new(scene.scene(), scene.accel().bvh(), pixel, channel)
-        {
-            return Self::Beam(Box::new(beam));
+        let frame = scene.scene().camera.pixel(pixel);
+        match &scene.scene().filter {
+            None => Self::unfiltered(scene, frame, channel, tracer),
+            Some(filter) => {
+                let support = frame.widened(filter.radius);
+                let inner = Self::unfiltered(scene, support, channel, tracer);
+                Self::Filtered(Filtered::new(Box::new(inner), filter))
+            }
         }
-        Self::Rays(PixelRays { scene, frame: scene.scene().camera.pixel(pixel), channel })
+    }
+
+    fn unfiltered(
+        scene: &'a TracedScene,
+        frame: PixelFrame,
+        channel: Channel,
+        tracer: Tracer,
+    ) -> Self {
+        let beam = || PixelBeam::of_frame(scene.scene(), scene.accel().bvh(), &frame, channel);
+        match (tracer == Tracer::Beam).then(beam).flatten() {
+            Some(beam) => Self::Beam(Box::new(beam)),
+            None => Self::Rays(rays(scene, frame, channel)),
+        }
     }
 
     fn inner(&self) -> &dyn Integrand {
         match self {
-            Self::Rays(rays) => rays,
+            Self::Rays(rays) => &**rays,
             Self::Beam(beam) => &**beam,
+            Self::Filtered(filtered) => filtered,
         }
     }
 }
@@ -73,6 +85,14 @@ impl Integrand for PixelIntegrand<'_> {
         self.inner().eval_block(points, values);
     }
 
+    fn is_weighted(&self) -> bool {
+        self.inner().is_weighted()
+    }
+
+    fn weigh_block(&self, points: &[f64], weights: &mut [f64]) {
+        self.inner().weigh_block(points, weights);
+    }
+
     fn trial_means(
         &self,
         sampler: &dyn Sampler,
@@ -81,21 +101,5 @@ impl Integrand for PixelIntegrand<'_> {
         means: &mut [f64],
     ) -> bool {
         self.inner().trial_means(sampler, set, first_trial, means)
-    }
-}
-
-impl Integrand for PixelRays<'_> {
-    fn dim(&self) -> usize {
-        2
-    }
-
-    fn axes(&self) -> Vec<String> {
-        vec!["pixel_x".to_owned(), "pixel_y".to_owned()]
-    }
-
-    fn eval(&self, point: &[f64]) -> f64 {
-        let eye = self.scene.scene().camera.eye;
-        let direction = self.frame.direction(point[0], point[1]);
-        self.channel.of(self.scene.radiance(eye, direction))
     }
 }
