@@ -178,9 +178,7 @@ fn a_lens_blurs_an_edge_by_its_chords() {
     // A square aperture with its sides upright: the offset is uniform.
     let square = format!("{}{lens}blades = 4\nrotation = 45\n", along_z());
     let half = blur / 2f64.sqrt();
-    let exact = mean(4096, |u| {
-        (((0.07 - across(8, u)) / half + 1.0) / 2.0).clamp(0.0, 1.0)
-    });
+    let exact = mean(4096, |u| (((0.07 - across(8, u)) / half + 1.0) / 2.0).clamp(0.0, 1.0));
     check(&scene(&square, HALF_PLANE, LAMP), [8, 8], &axes, exact);
     // In focus the lens changes nothing.
     let sharp = scene(&(along_z() + &lens.replace('4', "10")), HALF_PLANE, LAMP);
@@ -191,9 +189,7 @@ fn a_lens_blurs_an_edge_by_its_chords() {
 fn motion_blurs_an_edge_evenly() {
     let axes = ["pixel_x", "pixel_y", "time"];
     let moving = along_z() + "motion = [3, 0, 0]\n[shutter]\n";
-    let covered = |px: u32| {
-        mean(4096, |u| (1.0 - (across(px, u) - 0.07) / 3.0).clamp(0.0, 1.0))
-    };
+    let covered = |px: u32| mean(4096, |u| (1.0 - (across(px, u) - 0.07) / 3.0).clamp(0.0, 1.0));
     for px in [8, 10] {
         check(&scene(&moving, HALF_PLANE, LAMP), [px, 8], &axes, covered(px));
     }
@@ -215,8 +211,9 @@ fn a_furnace_has_no_variance() {
     let pixel = oven.pixel([3, 5], Channel::R);
     assert_eq!(pixel.dim(), 10);
     for i in 0..1000u32 {
-        let point: Vec<f64> =
-            (0..10).map(|axis| ((f64::from(i) + 0.5) * (0.618 + 0.1 * f64::from(axis))).fract()).collect();
+        let point: Vec<f64> = (0..10)
+            .map(|axis| ((f64::from(i) + 0.5) * (0.618 + 0.1 * f64::from(axis))).fract())
+            .collect();
         let seen = pixel.eval(&point);
         assert!((seen - 1.875).abs() < 1e-12, "{point:?}: {seen}");
     }

@@ -80,7 +80,8 @@ pub fn run(args: &InspectArgs, common: &Common) -> Result<Outcome> {
 }
 
 fn inspect(traced: &TracedScene) -> Inspection {
-    let Scene { name, camera, mesh, materials, light, ambient, background, notes, .. } = traced.scene();
+    let Scene { name, camera, mesh, materials, light, ambient, background, notes, .. } =
+        traced.scene();
     let pixel = traced.pixel([0, 0], Channel::Luminance);
     let dim = pixel.dim();
     let corners = || mesh.triangles.iter().flatten().map(|i| mesh.positions[*i as usize]);

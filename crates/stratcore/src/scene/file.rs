@@ -4,8 +4,8 @@ use super::library::{self, Model, SCENES};
 use super::light_table::{LightTables, Lights};
 use super::obj::{self, read_text, shown};
 use super::{
-    Aperture, Camera, Distribution, Filter, FilterMethod, FilterShape, Lens, Light, MAX_COORDINATE,
-    Motion, Rgb, Scene, SceneError,
+    Aperture, AreaLight, Camera, Distribution, Filter, FilterMethod, FilterShape, Lens, Light,
+    LightShape, MAX_COORDINATE, Motion, Rgb, Scene, SceneError,
 };
 use glam::DVec3;
 use serde::Deserialize;
@@ -151,10 +151,11 @@ fn from_toml(name: &str, text: &str, path: &Path) -> Result<Scene, SceneError> {
     }
     if model.mesh.triangles.is_empty() {
         let fault = "there is no [[mesh]]; name at least one".to_owned();
-        return Err(SceneError::MeshTable { path: shown(path), fault });
+        return Err(SceneError::Feature { path: shown(path), fault });
     }
     note_degenerate(&model, &mut notes);
     let Lights { light, area, ambient } = file.light.read(path, &model)?;
+    refuse_moving_lights(path, &area, &model, &moved)?;
     let distribution = Distribution {
         lens: file.lens.map(|table| table.read(path)).transpose()?,
         lights: area,
@@ -178,6 +179,30 @@ fn from_toml(name: &str, text: &str, path: &Path) -> Result<Scene, SceneError> {
         background,
         notes,
     })
+}
+
+/// A mesh light is sampled where it was loaded.
+fn refuse_moving_lights(
+    file: &Path,
+    lights: &[AreaLight],
+    model: &Model,
+    moved: &[DVec3],
+) -> Result<(), SceneError> {
+    let moves =
+        |id: usize| model.mesh.triangles[id].iter().any(|i| moved[*i as usize] != DVec3::ZERO);
+    for light in lights {
+        let LightShape::Mesh { material, .. } = &light.shape else { continue };
+        let is_lit = |id: usize| model.mesh.materials[id] == *material;
+        if (0..model.mesh.triangles.len()).any(|id| is_lit(id) && moves(id)) {
+            let name = &model.materials[*material as usize].name;
+            let fault = format!(
+                "the mesh light \"{name}\" is part of a mesh that moves; lights stand still: give \
+                 them a [[mesh]] without motion"
+            );
+            return Err(SceneError::Feature { path: shown(file), fault });
+        }
+    }
+    Ok(())
 }
 
 /// What moves; nothing, and a note, for a shutter before which all stands still.
@@ -275,7 +300,7 @@ impl MeshTable {
             },
             _ => "each [[mesh]] has either a path or a builtin".to_owned(),
         };
-        Err(SceneError::MeshTable { path: shown(file), fault })
+        Err(SceneError::Feature { path: shown(file), fault })
     }
 }
 
