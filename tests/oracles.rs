@@ -9,7 +9,7 @@ use std::path::Path;
 use stratcore::integrand::Integrand;
 use stratcore::scene::{Channel, load};
 use stratcore::study::{Control, SamplerChoice, StudyPlan, study};
-use stratcore::trace::TracedScene;
+use stratcore::trace::{TracedScene, Tracer};
 
 fn scene(toml: &str, obj: &str, mtl: &str) -> TracedScene {
     let folder = tempfile::tempdir().unwrap();
@@ -236,4 +236,32 @@ fn a_perfect_mirror_and_clear_glass_lose_no_light() {
     let plain = scene(&along_z(), pane, "newmtl m\nKd 0.5 0.5 0.5\nKs 1 1 1\nillum 3\n");
     let seen = plain.pixel([8, 8], Channel::R).eval(&[0.0, 0.0]);
     assert!((seen - 0.5).abs() < 1e-12, "{seen}");
+}
+
+/// The lists of the fast path against the BVH, point by point.
+#[test]
+fn beam_and_rays_agree_under_area_lights() {
+    let spread = |i: u32, axis: u32| {
+        let ratio = [
+            0.754_877_666_246_693,
+            0.569_840_290_998_053,
+            0.819_172_513_396_164,
+            0.671_043_606_703_789,
+        ];
+        (0.5 + f64::from(i) * ratio[axis as usize]).fract()
+    };
+    let [beam, rays] = [Tracer::Beam, Tracer::Bvh]
+        .map(|tracer| TracedScene::new(load("room").unwrap()).with_tracer(tracer));
+    let mut shadowed = 0;
+    for pixel in (0..256).step_by(16).flat_map(|x| (0..256).step_by(16).map(move |y| [x, y])) {
+        let [beam, rays] = [&beam, &rays].map(|scene| scene.pixel(pixel, Channel::Luminance));
+        assert_eq!((beam.dim(), beam.axes()), (4, rays.axes()));
+        for i in 0..60 {
+            let point = [0, 1, 2, 3].map(|axis| spread(i, axis));
+            let [a, b] = [beam.eval(&point), rays.eval(&point)];
+            assert!((a - b).abs() <= 1e-9 * b, "{pixel:?} {point:?}: {a} {b}");
+            shadowed += u32::from(b < 0.02);
+        }
+    }
+    assert!(shadowed > 500, "{shadowed}");
 }

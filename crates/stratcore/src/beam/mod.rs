@@ -5,6 +5,7 @@
 //! that short list ([`crate::simd`]), whose doubtful cases are settled in f64.
 
 mod affine;
+mod area;
 mod facet;
 mod gather;
 mod pixel;
@@ -14,4 +15,5 @@ mod shadow;
 #[cfg(test)]
 mod tests;
 
+pub use area::AreaBeam;
 pub use pixel::PixelBeam;

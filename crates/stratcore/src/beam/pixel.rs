@@ -8,7 +8,7 @@ use crate::beam::shadow::{Occluder, occluders};
 use crate::integrand::Integrand;
 use crate::rng::StreamKey;
 use crate::sampler::{PointSet, Sampler, Scramble, strata_per_axis};
-use crate::scene::{Channel, Light, PixelFrame, Scene};
+use crate::scene::{Channel, Distribution, Light, PixelFrame, Scene};
 use crate::simd::{
     self, Cells, Entry, Facet32, Ground, Isa, Lanes4, Pixel32, Placement, Shading, Strata,
 };
@@ -22,6 +22,7 @@ const NARROW: f64 = 4e-3;
 /// A pixel's visible triangles in its own coordinates; the integrand of a study.
 pub struct PixelBeam {
     isa: Isa,
+    centred: CentredFrame,
     facets: Vec<Facet>,
     shades: Vec<Shade>,
     /// Occluders of all facets; each facet's run is in its [`Facet32`].
@@ -40,7 +41,8 @@ impl PixelBeam {
     /// relative to the eye, in boxes that contain them.
     ///
     /// None for a scene that asks for smooth shading, whose radiance is not affine data, and for
-    /// one whose pixels have more dimensions than their square, mirrors or glass.
+    /// one with a lens, a shutter, mirrors, glass or bounces. Area lights are left to
+    /// [`AreaBeam`](super::AreaBeam).
     pub fn new(scene: &Scene, bvh: &Bvh2, pixel: [u32; 2], channel: Channel) -> Option<Self> {
         Self::of_frame(scene, bvh, &scene.camera.pixel(pixel), channel)
     }
@@ -52,7 +54,10 @@ impl PixelBeam {
         frame: &PixelFrame,
         channel: Channel,
     ) -> Option<Self> {
-        if scene.mesh.corner_normals.is_some() || !scene.distribution.is_plain() {
+        let Distribution { lens, lights: _, motion, specular_depth, bounces } = &scene.distribution;
+        let is_seen_from_a_point =
+            lens.is_none() && motion.is_none() && *specular_depth == 0 && *bounces == 0;
+        if scene.mesh.corner_normals.is_some() || !is_seen_from_a_point {
             return None;
         }
         let centred = CentredFrame::new(frame);
@@ -103,6 +108,7 @@ impl PixelBeam {
         let (isa, occluders) = (Isa::detect(), all_occluders);
         Some(Self {
             isa,
+            centred,
             facets,
             shades,
             occluders,
@@ -126,15 +132,30 @@ impl PixelBeam {
         self.facets.len()
     }
 
+    /// The same triangles, in f64.
+    pub(super) fn facets(&self) -> &[Facet] {
+        &self.facets
+    }
+
+    /// The directions of the pixel.
+    pub(super) fn centred(&self) -> &CentredFrame {
+        &self.centred
+    }
+
     /// The visible triangle at (u, v) in [0, 1)² and its radiance, in f64 throughout.
     pub fn exact_sample(&self, u: f64, v: f64) -> (Option<u32>, f64) {
         let (s, t) = (u - 0.5, v - 0.5);
         let (winner, value) = self.nearest((0..self.facets.len()).map(|i| i as u32), s, t);
-        (winner.map(|i| self.facets[i as usize].triangle), value)
+        (winner.map(|(id, _)| self.facets[id as usize].triangle), value)
     }
 
-    /// The nearest of the listed facets at (s, t), and its radiance.
-    fn nearest(&self, list: impl Iterator<Item = u32>, s: f64, t: f64) -> (Option<u32>, f64) {
+    /// The nearest of the listed facets at (s, t) with its inverse depth, and its radiance.
+    pub(super) fn nearest(
+        &self,
+        list: impl Iterator<Item = u32>,
+        s: f64,
+        t: f64,
+    ) -> (Option<(u32, f64)>, f64) {
         let mut best: Option<(u32, f64)> = None;
         for id in list {
             if let Some(w) = self.facets[id as usize].hit(s, t) {
@@ -152,7 +173,7 @@ impl PixelBeam {
         let occluders = &self.occluders[run.start as usize..run.end as usize];
         let lit = !occluders.iter().any(|occluder| occluder.blocks(s, t));
         let shade = &self.shades[id as usize];
-        (Some(id), shade.at(s, t, w, self.length_squared.at(s, t), lit))
+        (Some((id, w)), shade.at(s, t, w, self.length_squared.at(s, t), lit))
     }
 
     /// Settles what f32 leaves in doubt.

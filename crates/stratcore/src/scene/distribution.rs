@@ -201,6 +201,29 @@ impl AreaLight {
     }
 }
 
+impl AreaLight {
+    /// A box that holds all of the light.
+    pub(crate) fn bounds(&self) -> [DVec3; 2] {
+        let of = |points: &mut dyn Iterator<Item = DVec3>| {
+            points
+                .fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[lo, hi], p| [lo.min(p), hi.max(p)])
+        };
+        match &self.shape {
+            LightShape::Rectangle { corner, edges: [a, b] } => {
+                of(&mut [DVec3::ZERO, *a, *b, a + b].map(|p| corner + p).into_iter())
+            }
+            LightShape::Disk { centre, radii: [a, b] } => {
+                let extent = (a * a + b * b).to_array().map(f64::sqrt);
+                [centre - DVec3::from_array(extent), centre + DVec3::from_array(extent)]
+            }
+            LightShape::Sphere { centre, radius } => [centre - *radius, centre + *radius],
+            LightShape::Mesh { triangles, .. } => {
+                of(&mut triangles.iter().flat_map(|(_, corners)| *corners))
+            }
+        }
+    }
+}
+
 /// The triangle that a share of the area falls into, and where in it, in [0, 1).
 fn pick(triangles: &[(f64, [DVec3; 3])], share: f64) -> Option<([DVec3; 3], f64)> {
     let at = triangles.partition_point(|(up_to, _)| *up_to <= share);

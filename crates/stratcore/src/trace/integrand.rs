@@ -2,7 +2,7 @@
 
 use super::rays::{Radiance, rays};
 use super::{Filtered, TracedScene};
-use crate::beam::PixelBeam;
+use crate::beam::{AreaBeam, PixelBeam};
 use crate::integrand::Integrand;
 use crate::sampler::{PointSet, Sampler};
 use crate::scene::{Channel, PixelFrame};
@@ -24,7 +24,9 @@ pub enum PixelIntegrand<'a> {
     Rays(Box<dyn Radiance + 'a>),
     /// By the pixel's beam.
     Beam(Box<PixelBeam>),
-    /// Either, under a reconstruction filter.
+    /// By the pixel's beam, and by what stands before area lights.
+    AreaBeam(Box<AreaBeam<'a>>),
+    /// Any of these, under a reconstruction filter.
     Filtered(Filtered<'a, PixelIntegrand<'a>>),
 }
 
@@ -54,7 +56,10 @@ impl<'a> PixelIntegrand<'a> {
     ) -> Self {
         let beam = || PixelBeam::of_frame(scene.scene(), scene.accel().bvh(), &frame, channel);
         match (tracer == Tracer::Beam).then(beam).flatten() {
-            Some(beam) => Self::Beam(Box::new(beam)),
+            Some(beam) if scene.scene().distribution.lights.is_empty() => {
+                Self::Beam(Box::new(beam))
+            }
+            Some(beam) => Self::AreaBeam(Box::new(AreaBeam::new(scene, beam, channel))),
             None => Self::Rays(rays(scene, frame, channel)),
         }
     }
@@ -63,6 +68,7 @@ impl<'a> PixelIntegrand<'a> {
         match self {
             Self::Rays(rays) => &**rays,
             Self::Beam(beam) => &**beam,
+            Self::AreaBeam(beam) => &**beam,
             Self::Filtered(filtered) => filtered,
         }
     }
