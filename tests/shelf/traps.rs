@@ -178,8 +178,8 @@ fn trap_neighbouring_pixels_that_share_or_ignore_their_strata() {
 /// A variance with divisor M instead of M - 1: at M = 2 it is half as large.
 #[test]
 fn trap_divisor_m() {
-    let spread = stratcore::variance::spread(&[1.0, 3.0]);
-    assert_eq!((spread.grand_mean, spread.variance_of_mean), (2.0, 2.0));
+    let spread = stratcore::variance::Moments::of(&[1.0, 3.0]);
+    assert_eq!((spread.mean, spread.variance), (2.0, 2.0));
 }
 
 /// The first points of a larger set used as a smaller one: strata left empty, trials that share
@@ -213,7 +213,7 @@ fn trap_misses_that_are_no_samples() {
     let positions = corners.map(|[u, v]| scene.camera.eye + frame.direction(u, v)).to_vec();
     scene.mesh =
         Mesh { positions, triangles: vec![[0, 1, 2]], materials: vec![0], corner_normals: None };
-    scene.materials = vec![Material { name: String::new(), kd: [0.0; 3], ke: [1.0; 3] }];
+    scene.materials = vec![Material { ke: [1.0; 3], ..Material::default() }];
     for tracer in [Tracer::Beam, Tracer::Bvh] {
         let scene = TracedScene::new(scene.clone()).with_tracer(tracer);
         let sampler = Random.stream_id();

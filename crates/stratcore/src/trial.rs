@@ -30,14 +30,20 @@ pub fn trial_means(
     for (trial, mean) in (first_trial..).zip(means) {
         let key = StreamKey { trial, ..set.key };
         let source = sampler.points(&PointSet { key, ..*set });
+        let mut weight_sums = Vec::new();
         let sum = neumaier_sum(
             (0..n).step_by(block).take_while(|_| !cancel.load(Ordering::Relaxed)).map(|first| {
                 let len = block.min((n - first) as usize);
                 source.fill(first, &mut points[..len * set.dim]);
+                if integrand.is_weighted() {
+                    integrand.weigh_block(&points[..len * set.dim], &mut values[..len]);
+                    weight_sums.push(neumaier_sum(values[..len].iter().copied()));
+                }
                 integrand.eval_block(&points[..len * set.dim], &mut values[..len]);
                 neumaier_sum(values[..len].iter().copied())
             }),
         );
-        *mean = sum / n as f64;
+        let of = if integrand.is_weighted() { neumaier_sum(weight_sums) } else { n as f64 };
+        *mean = sum / of;
     }
 }

@@ -50,6 +50,7 @@ struct MaterialFacts {
 #[derive(Serialize)]
 #[serde(tag = "kind", rename_all = "lowercase")]
 enum LightFacts {
+    Off,
     Headlight,
     Point { position: [f64; 3], intensity: Rgb },
     Directional { towards: [f64; 3], irradiance: Rgb },
@@ -95,7 +96,8 @@ pub fn run(args: &InspectArgs, common: &Common) -> Result<Outcome> {
 }
 
 fn inspect(traced: &TracedScene) -> Inspection {
-    let Scene { name, camera, mesh, materials, light, ambient, background, notes } = traced.scene();
+    let Scene { name, camera, mesh, materials, light, ambient, background, notes, .. } =
+        traced.scene();
     let pixel = traced.pixel([0, 0], Channel::Luminance);
     let dim = pixel.dim();
     let corners = || mesh.triangles.iter().flatten().map(|i| mesh.positions[*i as usize]);
@@ -124,6 +126,7 @@ fn inspect(traced: &TracedScene) -> Inspection {
             .collect(),
         bounds: lowest.zip(highest).map(|(a, b)| [a.to_array(), b.to_array()]),
         light: match *light {
+            Light::Off => LightFacts::Off,
             Light::Headlight => LightFacts::Headlight,
             Light::Point { position, intensity } => {
                 LightFacts::Point { position: position.to_array(), intensity }
@@ -152,6 +155,7 @@ fn text(facts: &Inspection) -> String {
     let camera = &facts.camera;
     let [width, height] = camera.resolution;
     let light = match &facts.light {
+        LightFacts::Off => "none but area lights".to_owned(),
         LightFacts::Headlight => "headlight".to_owned(),
         LightFacts::Point { position, intensity } => {
             format!("point at {}, intensity {}", triple(position), triple(intensity))

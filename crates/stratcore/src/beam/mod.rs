@@ -5,6 +5,7 @@
 //! that short list ([`crate::simd`]), whose doubtful cases are settled in f64.
 
 mod affine;
+mod area;
 mod facet;
 mod gather;
 mod pixel;
@@ -15,4 +16,5 @@ mod shadow;
 mod tests;
 
 pub(crate) use affine::Affine;
+pub use area::AreaBeam;
 pub use pixel::PixelBeam;

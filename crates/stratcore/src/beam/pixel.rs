@@ -7,7 +7,7 @@ use crate::beam::shade::{Lit, Shade, coefficients};
 use crate::beam::shadow::{Occluder, occluders};
 use crate::integrand::Integrand;
 use crate::sampler::{Placement, PointSet, Sampler, Scramble};
-use crate::scene::{Channel, Light, Scene};
+use crate::scene::{Channel, Distribution, Light, PixelFrame, Scene};
 use crate::simd::{
     self, Cells, Entry, Facet32, Ground, Isa, Lanes4, Pixel32, Shading, Strata, Trials, Work,
 };
@@ -22,6 +22,7 @@ const NARROW: f64 = 4e-3;
 /// A pixel's visible triangles in its own coordinates; the integrand of a study.
 pub struct PixelBeam {
     isa: Isa,
+    centred: CentredFrame,
     facets: Vec<Facet>,
     shades: Vec<Shade>,
     /// Occluders of all facets; each facet's run is in its [`Facet32`].
@@ -41,12 +42,27 @@ impl PixelBeam {
     /// Gathers and sets up what pixel (x, y) can see. `bvh` holds the scene's triangles,
     /// relative to the eye, in boxes that contain them.
     ///
-    /// None for a scene that asks for smooth shading: its radiance is not affine data.
+    /// None for a scene that asks for smooth shading, whose radiance is not affine data, and for
+    /// one with a lens, a shutter, mirrors, glass or bounces. Area lights are left to
+    /// [`AreaBeam`](super::AreaBeam).
     pub fn new(scene: &Scene, bvh: &Bvh2, pixel: [u32; 2], channel: Channel) -> Option<Self> {
-        if scene.mesh.corner_normals.is_some() {
+        Self::of_frame(scene, bvh, &scene.camera.pixel(pixel), channel)
+    }
+
+    /// The same for any parallelogram of the picture.
+    pub fn of_frame(
+        scene: &Scene,
+        bvh: &Bvh2,
+        frame: &PixelFrame,
+        channel: Channel,
+    ) -> Option<Self> {
+        let Distribution { lens, lights: _, motion, specular_depth, bounces } = &scene.distribution;
+        let is_seen_from_a_point =
+            lens.is_none() && motion.is_none() && *specular_depth == 0 && *bounces == 0;
+        if scene.mesh.corner_normals.is_some() || !is_seen_from_a_point {
             return None;
         }
-        let centred = CentredFrame::new(&scene.camera.pixel(pixel));
+        let centred = CentredFrame::new(frame);
         let facets = visible_facets(scene, bvh, &centred);
         let shades: Vec<_> =
             facets.iter().map(|facet| Shade::new(scene, channel, facet, &centred)).collect();
@@ -64,7 +80,7 @@ impl PixelBeam {
                 let turn = centred.du.length().max(centred.dv.length()) / length_squared.c.sqrt();
                 if turn < NARROW { Shading::Polynomial } else { Shading::WideHeadlight }
             }
-            Light::Directional { .. } => Shading::Directional,
+            Light::Off | Light::Directional { .. } => Shading::Directional,
             Light::Point { .. } => Shading::Point,
         };
         let inverse_root = length_squared.inverse_root();
@@ -94,6 +110,7 @@ impl PixelBeam {
         let (isa, occluders) = (Isa::detect(), all_occluders);
         Some(Self {
             isa,
+            centred,
             facets,
             shades,
             occluders,
@@ -118,15 +135,30 @@ impl PixelBeam {
         self.facets.len()
     }
 
+    /// The same triangles, in f64.
+    pub(crate) fn facets(&self) -> &[Facet] {
+        &self.facets
+    }
+
+    /// The directions of the pixel.
+    pub(super) fn centred(&self) -> &CentredFrame {
+        &self.centred
+    }
+
     /// The visible triangle at (u, v) in [0, 1)² and its radiance, in f64 throughout.
     pub fn exact_sample(&self, u: f64, v: f64) -> (Option<u32>, f64) {
         let (s, t) = (u - 0.5, v - 0.5);
         let (winner, value) = self.nearest((0..self.facets.len()).map(|i| i as u32), s, t);
-        (winner.map(|i| self.facets[i as usize].triangle), value)
+        (winner.map(|(id, _)| self.facets[id as usize].triangle), value)
     }
 
-    /// The nearest of the listed facets at (s, t), and its radiance.
-    fn nearest(&self, list: impl Iterator<Item = u32>, s: f64, t: f64) -> (Option<u32>, f64) {
+    /// The nearest of the listed facets at (s, t) with its inverse depth, and its radiance.
+    pub(super) fn nearest(
+        &self,
+        list: impl Iterator<Item = u32>,
+        s: f64,
+        t: f64,
+    ) -> (Option<(u32, f64)>, f64) {
         let mut best: Option<(u32, f64)> = None;
         for id in list {
             if let Some(w) = self.facets[id as usize].hit(s, t) {
@@ -142,16 +174,12 @@ impl PixelBeam {
         let Some((id, w)) = best else { return (None, self.background) };
         let lit = !self.occluders_of(id as usize).iter().any(|occluder| occluder.blocks(s, t));
         let shade = &self.shades[id as usize];
-        (Some(id), shade.at(s, t, w, self.length_squared.at(s, t), lit))
+        (Some((id, w)), shade.at(s, t, w, self.length_squared.at(s, t), lit))
     }
 
     /// Settles what f32 leaves in doubt.
     fn settle(&self, list: &[Entry], s: f64, t: f64) -> f64 {
         self.nearest(list.iter().map(|entry| entry.facet), s, t).1 - self.ground
-    }
-
-    pub(crate) fn facets(&self) -> &[Facet] {
-        &self.facets
     }
 
     /// What may stand between a facet and the light.

@@ -31,6 +31,7 @@ impl Shade {
         let product = |light: Rgb| channel_product(channel, material, light);
         let unlit = channel.of(material.ke) + product(scene.ambient);
         let lit = match scene.light {
+            Light::Off => Lit::Constant(0.0),
             Light::Headlight => {
                 let cosine = Affine::dot(-facet.normal, centred).scaled(product([1.0; 3]));
                 Lit::Headlight { cosine }

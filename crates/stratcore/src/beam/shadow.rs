@@ -52,7 +52,7 @@ impl Occluder {
                 (normal.dot(corner[0] - *position), Line::From(*position))
             }
             Light::Directional { towards, .. } => (-normal.dot(*towards), Line::Along(-*towards)),
-            Light::Headlight => return None,
+            Light::Off | Light::Headlight => return None,
         };
         if side == 0.0 || !side.is_finite() {
             return None;
@@ -107,40 +107,57 @@ pub(crate) fn occluders(
     let eye = scene.camera.eye;
     let patch = patch(scene, receiver, centred);
     let shaft = match scene.light {
-        Light::Headlight => return,
-        Light::Point { position, .. } => {
-            let light = position - eye;
-            Shaft { start: [light; 2], run: [patch[0] - light, patch[1] - light], end: 1.0 }
-        }
+        Light::Off | Light::Headlight => return,
+        Light::Point { position, .. } => Shaft::between([position - eye; 2], patch),
         Light::Directional { towards, .. } => {
             Shaft { start: patch, run: [towards; 2], end: f64::INFINITY }
         }
     };
-    let mut stack = vec![0u32];
-    while let Some(node) = stack.pop().and_then(|index| bvh.nodes.get(index as usize)) {
-        if !shaft.touches(&node.aabb) {
-            continue;
+    shaft.visit(bvh, |id| {
+        if id != receiver.triangle {
+            out.extend(Occluder::new(scene, id, &scene.light, receiver, centred));
         }
-        if node.prim_count == 0 {
-            stack.extend([node.first_index + 1, node.first_index]);
-            continue;
+    });
+}
+
+/// Triangles that may stand between `receiver`'s part of the pixel and a light within a box,
+/// relative to the eye.
+pub(super) fn between(
+    scene: &Scene,
+    bvh: &Bvh2,
+    receiver: &Facet,
+    centred: &CentredFrame,
+    light: [DVec3; 2],
+) -> Vec<u32> {
+    let eye = scene.camera.eye;
+    let shaft = Shaft::between(light, patch(scene, receiver, centred));
+    let mut found = Vec::new();
+    shaft.visit(bvh, |id| {
+        let corners = scene.mesh.corners(id as usize).map(|p| p - eye);
+        // What lies behind the receiver's plane, and not by rounding, shadows nothing on it.
+        let faces = corners.iter().any(|p| {
+            receiver.normal.dot(*p) + receiver.plane_distance > -1e-9 * receiver.plane_distance
+        });
+        let touches = || {
+            let [lo, hi] = bounds(&corners).map(|p| p.as_vec3a());
+            let slack = lo.abs().max(hi.abs()) * f32::EPSILON;
+            shaft.touches(&Aabb::new(lo - slack, hi + slack))
+        };
+        if id != receiver.triangle && faces && touches() {
+            found.push(id);
         }
-        let first = node.first_index as usize;
-        for &id in &bvh.primitive_indices[first..first + node.prim_count as usize] {
-            if id != receiver.triangle {
-                out.extend(Occluder::new(scene, id, &scene.light, receiver, centred));
-            }
-        }
-    }
+    });
+    found
+}
+
+fn bounds(points: &[DVec3]) -> [DVec3; 2] {
+    points
+        .iter()
+        .fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[lo, hi], p| [lo.min(*p), hi.max(*p)])
 }
 
 /// A box around what the pixel sees of the receiver, relative to the eye.
 fn patch(scene: &Scene, receiver: &Facet, centred: &CentredFrame) -> [DVec3; 2] {
-    let bounds = |points: &[DVec3]| {
-        points
-            .iter()
-            .fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[lo, hi], p| [lo.min(*p), hi.max(*p)])
-    };
     let corners = scene.mesh.corners(receiver.triangle as usize).map(|p| p - scene.camera.eye);
     let [mut lo, mut hi] = bounds(&corners);
     let pixel = [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)]
@@ -162,6 +179,28 @@ struct Shaft {
 }
 
 impl Shaft {
+    /// Everything between a light within one box and a receiver within another.
+    fn between(light: [DVec3; 2], receiver: [DVec3; 2]) -> Self {
+        Self { start: light, run: [receiver[0] - light[0], receiver[1] - light[1]], end: 1.0 }
+    }
+
+    /// Shows `visit` the triangles of the tree's leaves that the shaft touches.
+    fn visit(&self, bvh: &Bvh2, mut visit: impl FnMut(u32)) {
+        let mut stack = vec![0u32];
+        while let Some(node) = stack.pop().and_then(|index| bvh.nodes.get(index as usize)) {
+            if !self.touches(&node.aabb) {
+                continue;
+            }
+            if node.prim_count == 0 {
+                stack.extend([node.first_index + 1, node.first_index]);
+                continue;
+            }
+            let first = node.first_index as usize;
+            let leaf = &bvh.primitive_indices[first..first + node.prim_count as usize];
+            leaf.iter().for_each(|id| visit(*id));
+        }
+    }
+
     /// False only when no τ brings the shaft into the box: each side of the box bounds τ from
     /// one end.
     fn touches(&self, aabb: &Aabb) -> bool {

@@ -32,9 +32,8 @@ fn relabel(mut scene: Scene, triangles: &[[DVec3; 3]]) -> TracedScene {
         materials: (0..n).collect(),
         corner_normals: None,
     };
-    scene.materials = (0..n)
-        .map(|i| Material { name: String::new(), kd: [0.0; 3], ke: [f64::from(i + 1); 3] })
-        .collect();
+    scene.materials =
+        (0..n).map(|i| Material { ke: [f64::from(i + 1); 3], ..Material::default() }).collect();
     TracedScene::new(scene)
 }
 

@@ -89,6 +89,9 @@ pub enum Unresolved {
     /// A pixel that is traced by rays: smooth shading, or `Tracer::Bvh`.
     #[error("the pixel is traced by rays; its polygons are known to the beam alone")]
     Rays,
+    /// An area light or a reconstruction filter: the pixel is more than its visible polygons.
+    #[error("the pixel has an area light or a filter, and is more than its visible polygons")]
+    Weighted,
     /// A sampler other than `random` and `jittered`, or a scramble.
     #[error("only random and jittered points without a scramble have exact variances")]
     Sampler,

@@ -249,7 +249,7 @@ fn shadow_play(n_blockers: usize) -> TracedScene {
     scene.light = Light::Directional { towards: sun.normalize(), irradiance: [1.0; 3] };
     scene.ambient = [0.2; 3];
     let n = triangles.len() as u32;
-    scene.materials = vec![Material { name: String::new(), kd: [0.5; 3], ke: [0.0; 3] }];
+    scene.materials = vec![Material { kd: [0.5; 3], ..Material::default() }];
     scene.mesh = Mesh {
         positions: triangles.concat(),
         triangles: (0..n).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),

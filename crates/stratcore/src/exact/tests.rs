@@ -56,7 +56,7 @@ impl Stage {
             materials: (0..n).collect(),
             corner_normals: None,
         };
-        let material = |&ke| Material { name: String::new(), kd: [0.8; 3], ke: [ke; 3] };
+        let material = |&ke| Material { kd: [0.8; 3], ke: [ke; 3], ..Material::default() };
         scene.materials = self.values.iter().map(material).collect();
         TracedScene::new(scene)
     }
@@ -332,6 +332,7 @@ fn a_study_says_where_its_rows_come_from() {
         assert_eq!(found.rows, trials.rows);
     }
 
+    drop(integrand);
     let rays = traced.with_tracer(Tracer::Bvh);
     let found =
         exact.pixel(&rays.pixel(pixel, Channel::Luminance), pixel, Control::unwatched()).unwrap();

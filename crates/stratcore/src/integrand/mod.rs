@@ -17,6 +17,8 @@ mod step;
 #[cfg(test)]
 mod test_support;
 
+pub(crate) use quadrature::gauss_legendre;
+
 pub use catalogue::{CATALOGUE, IntegrandError, IntegrandInfo, ParamInfo, by_name};
 
 use crate::sampler::{PointSet, Sampler};
@@ -41,6 +43,18 @@ pub trait Integrand: Sync {
         for (value, point) in values.iter_mut().zip(points.chunks_exact(self.dim())) {
             *value = self.eval(point);
         }
+    }
+
+    /// Whether an estimate is the weighted mean Σ w f / Σ w; then [`Integrand::eval_block`]
+    /// gives w f and [`Integrand::weigh_block`] w.
+    fn is_weighted(&self) -> bool {
+        false
+    }
+
+    /// Weights w at many points, as [`Integrand::eval_block`]; called only where
+    /// [`Integrand::is_weighted`].
+    fn weigh_block(&self, _points: &[f64], weights: &mut [f64]) {
+        weights.fill(1.0);
     }
 
     /// A faster way to the means of trials `first_trial ..`, where this integrand has one for

@@ -3,7 +3,7 @@
 use super::plan::MapPlan;
 use super::region::Tiling;
 use crate::study::collect;
-use crate::trace::{PixelIntegrand, TracedScene};
+use crate::trace::TracedScene;
 use serde::{Deserialize, Serialize};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -125,11 +125,8 @@ pub fn expected_costs(scene: &TracedScene, plan: &MapPlan) -> Vec<u64> {
         let mut sum = 0;
         for (i, j) in (0..across).flat_map(|j| (0..across).map(move |i| (i, j))) {
             let pixel = [region.x0 + middle(i, width), region.y0 + middle(j, height)];
-            let facets = match scene.pixel(pixel, plan.channel) {
-                PixelIntegrand::Beam(beam) => beam.n_facets() as u64,
-                PixelIntegrand::Rays(_) => 0,
-            };
-            sum += BASE + facets;
+            let facets = scene.pixel(pixel, plan.channel).n_facets().unwrap_or(0);
+            sum += BASE + facets as u64;
         }
         Ok(sum)
     };

@@ -180,7 +180,18 @@ impl Identity {
 
 /// A hash of all that a pixel's radiance depends on: names and notes are left out.
 fn scene_hash(scene: &Scene) -> u128 {
-    let Scene { name: _, camera, mesh, materials, light, ambient, background, notes: _ } = scene;
+    let Scene {
+        name: _,
+        camera,
+        mesh,
+        materials,
+        light,
+        distribution,
+        filter,
+        ambient,
+        background,
+        notes: _,
+    } = scene;
     let mut digest = Digest::new();
     digest.numbers([camera.eye, camera.look_at, camera.up].iter().flat_map(|v| v.to_array()));
     digest.numbers([camera.fov_y]);
@@ -197,9 +208,11 @@ fn scene_hash(scene: &Scene) -> u128 {
     digest.word(materials.len() as u64);
     for material in materials {
         digest.numbers([material.kd, material.ke].concat());
+        digest.text(&format!("{:?}", material.specular));
     }
     let (kind, numbers) = match light {
         Light::Headlight => (0, Vec::new()),
+        Light::Off => (3, Vec::new()),
         Light::Point { position, intensity } => (1, [position.to_array(), *intensity].concat()),
         Light::Directional { towards, irradiance } => {
             (2, [towards.to_array(), *irradiance].concat())
@@ -208,13 +221,15 @@ fn scene_hash(scene: &Scene) -> u128 {
     digest.word(kind);
     digest.numbers(numbers);
     digest.numbers([*ambient, *background].concat());
+    // Numbers are written with all their digits.
+    digest.text(&format!("{distribution:?} {filter:?}"));
     digest.finish()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::load;
+    use crate::scene::{Filter, FilterMethod, FilterShape, load};
 
     fn identity(change: impl FnOnce(&mut MapPlan, &mut Scene)) -> Identity {
         let mut scene = load("classic").unwrap();
@@ -235,7 +250,7 @@ mod tests {
         assert_eq!(base.hash(), identity(|_, _| ()).hash());
         assert_eq!(base.differences(&base), "");
         type Change = fn(&mut MapPlan, &mut Scene);
-        let changes: [(&str, Change); 9] = [
+        let changes: [(&str, Change); 11] = [
             ("seed", |plan, _| plan.study.seed = 7),
             ("trials", |plan, _| plan.study.n_trials = 51),
             ("counts", |plan, _| plan.study.counts.truncate(9)),
@@ -245,6 +260,10 @@ mod tests {
             ("exact", |plan, _| plan.exact = true),
             ("scene_hash", |_, scene| scene.mesh.positions[5].x += 1e-9),
             ("scene_hash", |_, scene| scene.materials[2].kd[1] *= 0.5),
+            ("scene_hash", |_, scene| scene.distribution.specular_depth = 1),
+            ("scene_hash", |_, scene| {
+                scene.filter = Some(Filter::new(FilterShape::Tent, 1.0, FilterMethod::default()));
+            }),
         ];
         for (key, change) in changes {
             let other = identity(change);

@@ -74,6 +74,13 @@ impl PixelFrame {
     pub fn direction(&self, u: f64, v: f64) -> DVec3 {
         self.d0 + self.du * u + self.dv * v
     }
+
+    /// The square of side `2 radius` pixels about the same centre.
+    pub fn widened(&self, radius: f64) -> Self {
+        let Self { d0, du, dv } = *self;
+        let side = 2.0 * radius;
+        Self { d0: d0 + (du + dv) * (0.5 - radius), du: du * side, dv: dv * side }
+    }
 }
 
 impl Camera {

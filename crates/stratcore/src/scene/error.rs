@@ -35,14 +35,6 @@ pub enum SceneError {
         /// What is wrong, and what is possible instead.
         fault: String,
     },
-    /// A `[[mesh]]` that does not name exactly one mesh that exists.
-    #[error("{path}: {fault}")]
-    MeshTable {
-        /// The file.
-        path: String,
-        /// What is wrong, and what is possible instead.
-        fault: String,
-    },
     /// A camera that shows nothing.
     #[error("{path}: {fault}")]
     Camera {
@@ -50,6 +42,14 @@ pub enum SceneError {
         path: String,
         /// What is wrong, and how to mend it.
         fault: CameraFault,
+    },
+    /// A mesh, light, lens or other feature that is not described as it should be.
+    #[error("{path}: {fault}")]
+    Feature {
+        /// The file.
+        path: String,
+        /// What is wrong, and what is possible instead.
+        fault: String,
     },
     /// A number that cannot be meant.
     #[error("{path}: {name} is {value:?}; {wanted}")]

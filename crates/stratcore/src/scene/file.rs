@@ -1,8 +1,12 @@
 //! Scene files.
 
 use super::library::{self, Model, SCENES};
+use super::light_table::{LightTables, Lights};
 use super::obj::{self, read_text, shown};
-use super::{Camera, Light, MAX_COORDINATE, Rgb, Scene, SceneError};
+use super::{
+    Aperture, AreaLight, Camera, Distribution, Filter, FilterMethod, FilterShape, Lens, Light,
+    LightShape, MAX_COORDINATE, Motion, Rgb, Scene, SceneError,
+};
 use glam::DVec3;
 use serde::Deserialize;
 use std::path::Path;
@@ -39,7 +43,12 @@ struct SceneFile {
     #[serde(default)]
     background: BackgroundTable,
     #[serde(default)]
-    light: LightTable,
+    light: LightTables,
+    lens: Option<LensTable>,
+    shutter: Option<ShutterTable>,
+    filter: Option<FilterTable>,
+    #[serde(default)]
+    paths: PathsTable,
 }
 
 #[derive(Deserialize)]
@@ -70,6 +79,8 @@ enum Shading {
 struct MeshTable {
     path: Option<String>,
     builtin: Option<String>,
+    /// How far the mesh moves while the shutter is open.
+    motion: Option<[f64; 3]>,
 }
 
 #[derive(Deserialize, Default)]
@@ -79,30 +90,37 @@ struct BackgroundTable {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields, tag = "kind", rename_all = "lowercase")]
-enum LightTable {
-    Headlight {
-        #[serde(default)]
-        ambient: Rgb,
-    },
-    Point {
-        position: [f64; 3],
-        intensity: Rgb,
-        #[serde(default)]
-        ambient: Rgb,
-    },
-    Directional {
-        towards: [f64; 3],
-        irradiance: Rgb,
-        #[serde(default)]
-        ambient: Rgb,
-    },
+#[serde(deny_unknown_fields)]
+struct LensTable {
+    radius: f64,
+    focus_distance: f64,
+    /// Corners of the aperture; a disk without it.
+    blades: Option<u32>,
+    #[serde(default)]
+    rotation: f64,
 }
 
-impl Default for LightTable {
-    fn default() -> Self {
-        Self::Headlight { ambient: [0.0; 3] }
-    }
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ShutterTable {
+    #[serde(default)]
+    camera_motion: [f64; 3],
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FilterTable {
+    kind: FilterShape,
+    radius: Option<f64>,
+    #[serde(default)]
+    method: FilterMethod,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields, default)]
+struct PathsTable {
+    specular_depth: u32,
+    bounces: u32,
 }
 
 fn from_toml(name: &str, text: &str, path: &Path) -> Result<Scene, SceneError> {
@@ -115,10 +133,10 @@ fn from_toml(name: &str, text: &str, path: &Path) -> Result<Scene, SceneError> {
     let [eye, look_at, up] = [eye, look_at, up].map(DVec3::from_array);
     let camera = Camera { eye, look_at, up, fov_y, resolution };
     camera.check().map_err(|fault| SceneError::Camera { path: shown(path), fault })?;
-    let (light, ambient) = file.light.read(path)?;
     let background = colour(path, "background radiance", file.background.radiance)?;
     let mut notes = Vec::new();
     let mut model = Model::default();
+    let mut moved = Vec::new();
     for table in &file.mesh {
         let part = table.read(path, file.shading == Shading::Smooth, &mut notes)?;
         let fits = |a: usize, b: usize| u32::try_from(a + b).is_ok();
@@ -127,16 +145,136 @@ fn from_toml(name: &str, text: &str, path: &Path) -> Result<Scene, SceneError> {
         {
             return Err(SceneError::TooLarge { path: shown(path) });
         }
+        let motion = vector(path, "mesh motion", table.motion.unwrap_or_default())?;
+        moved.resize(moved.len() + part.mesh.positions.len(), motion);
         model.append(part);
     }
     if model.mesh.triangles.is_empty() {
         let fault = "there is no [[mesh]]; name at least one".to_owned();
-        return Err(SceneError::MeshTable { path: shown(path), fault });
+        return Err(SceneError::Feature { path: shown(path), fault });
     }
     note_degenerate(&model, &mut notes);
+    let Lights { light, area, ambient } = file.light.read(path, &model)?;
+    refuse_moving_lights(path, &area, &model, &moved)?;
+    let distribution = Distribution {
+        lens: file.lens.map(|table| table.read(path)).transpose()?,
+        lights: area,
+        motion: motion(path, file.shutter, moved, &mut notes)?,
+        specular_depth: file.paths.specular_depth,
+        bounces: file.paths.bounces,
+    };
+    file.paths.check(path)?;
+    let filter = file.filter.map(|table| table.read(path)).transpose()?;
     let Model { mesh, materials } = model;
     let name = name.to_owned();
-    Ok(Scene { name, camera, mesh, materials, light, ambient, background, notes })
+    Ok(Scene {
+        name,
+        camera,
+        mesh,
+        materials,
+        light,
+        distribution,
+        filter,
+        ambient,
+        background,
+        notes,
+    })
+}
+
+/// A mesh light is sampled where it was loaded.
+fn refuse_moving_lights(
+    file: &Path,
+    lights: &[AreaLight],
+    model: &Model,
+    moved: &[DVec3],
+) -> Result<(), SceneError> {
+    let moves =
+        |id: usize| model.mesh.triangles[id].iter().any(|i| moved[*i as usize] != DVec3::ZERO);
+    for light in lights {
+        let LightShape::Mesh { material, .. } = &light.shape else { continue };
+        let is_lit = |id: usize| model.mesh.materials[id] == *material;
+        if (0..model.mesh.triangles.len()).any(|id| is_lit(id) && moves(id)) {
+            let name = &model.materials[*material as usize].name;
+            let fault = format!(
+                "the mesh light \"{name}\" is part of a mesh that moves; lights stand still: give \
+                 them a [[mesh]] without motion"
+            );
+            return Err(SceneError::Feature { path: shown(file), fault });
+        }
+    }
+    Ok(())
+}
+
+/// What moves; nothing, and a note, for a shutter before which all stands still.
+fn motion(
+    file: &Path,
+    shutter: Option<ShutterTable>,
+    vertices: Vec<DVec3>,
+    notes: &mut Vec<String>,
+) -> Result<Option<Motion>, SceneError> {
+    let meshes_move = vertices.iter().any(|v| *v != DVec3::ZERO);
+    let Some(ShutterTable { camera_motion }) = shutter else {
+        if meshes_move {
+            let fault = "a [[mesh]] has motion but the scene no [shutter]; add one".to_owned();
+            return Err(SceneError::Feature { path: shown(file), fault });
+        }
+        return Ok(None);
+    };
+    let camera = vector(file, "shutter camera_motion", camera_motion)?;
+    if camera == DVec3::ZERO && !meshes_move {
+        notes.push("nothing moves while the [shutter] is open: it adds no dimension".to_owned());
+        return Ok(None);
+    }
+    Ok(Some(Motion { camera, vertices }))
+}
+
+impl LensTable {
+    fn read(self, file: &Path) -> Result<Lens, SceneError> {
+        let Self { radius, focus_distance, blades, rotation } = self;
+        let fault = |fault: String| Err(SceneError::Feature { path: shown(file), fault });
+        for (name, value) in [("radius", radius), ("focus_distance", focus_distance)] {
+            if !(value > 0.0 && value <= MAX_COORDINATE) {
+                return fault(format!("lens {name} is {value}; it lies above 0 and up to 1e15"));
+            }
+        }
+        if !(rotation.abs() <= 360.0) {
+            return fault(format!("lens rotation is {rotation} degrees; it lies within ±360"));
+        }
+        let aperture = match blades {
+            None => Aperture::Disk,
+            Some(blades @ 3..=64) => Aperture::Blades { blades, rotation },
+            Some(blades) => return fault(format!("lens has {blades} blades; it may have 3 to 64")),
+        };
+        Ok(Lens { radius, focus_distance, aperture })
+    }
+}
+
+impl FilterTable {
+    fn read(self, file: &Path) -> Result<Filter, SceneError> {
+        const WIDEST: f64 = 64.0;
+        let radius = self.radius.unwrap_or_else(|| self.kind.usual_radius());
+        if !(radius > 0.0 && radius <= WIDEST) {
+            let fault = format!("filter radius is {radius} pixels; it lies above 0 and up to 64");
+            return Err(SceneError::Feature { path: shown(file), fault });
+        }
+        Ok(Filter::new(self.kind, radius, self.method))
+    }
+}
+
+impl PathsTable {
+    fn check(&self, file: &Path) -> Result<(), SceneError> {
+        let limits = [
+            ("specular_depth", self.specular_depth, Distribution::MAX_SPECULAR_DEPTH),
+            ("bounces", self.bounces, Distribution::MAX_BOUNCES),
+        ];
+        match limits.into_iter().find(|(_, value, most)| value > most) {
+            None => Ok(()),
+            Some((name, value, most)) => {
+                let fault = format!("paths {name} is {value}; it is at most {most}");
+                Err(SceneError::Feature { path: shown(file), fault })
+            }
+        }
+    }
 }
 
 impl MeshTable {
@@ -162,43 +300,22 @@ impl MeshTable {
             },
             _ => "each [[mesh]] has either a path or a builtin".to_owned(),
         };
-        Err(SceneError::MeshTable { path: shown(file), fault })
+        Err(SceneError::Feature { path: shown(file), fault })
     }
 }
 
-impl LightTable {
-    fn read(self, file: &Path) -> Result<(Light, Rgb), SceneError> {
-        let (light, ambient) = match self {
-            Self::Headlight { ambient } => (Light::Headlight, ambient),
-            Self::Point { position, intensity, ambient } => {
-                let intensity = colour(file, "light intensity", intensity)?;
-                let position = vector(file, "light position", position)?;
-                (Light::Point { position, intensity }, ambient)
-            }
-            Self::Directional { towards, irradiance, ambient } => {
-                let irradiance = colour(file, "light irradiance", irradiance)?;
-                let direction = vector(file, "light towards", towards)?.try_normalize();
-                let towards = direction.ok_or_else(|| SceneError::Value {
-                    path: shown(file),
-                    name: "light towards",
-                    value: towards,
-                    wanted: "it points from the scene to the light and is not zero",
-                })?;
-                (Light::Directional { towards, irradiance }, ambient)
-            }
-        };
-        Ok((light, colour(file, "light ambient", ambient)?))
-    }
-}
-
-fn colour(file: &Path, name: &'static str, value: Rgb) -> Result<Rgb, SceneError> {
+pub(super) fn colour(file: &Path, name: &'static str, value: Rgb) -> Result<Rgb, SceneError> {
     let is_colour = value.iter().all(|x| (0.0..f64::INFINITY).contains(x));
     let wanted = "colours are three finite numbers of at least 0";
     let path = shown(file);
     is_colour.then_some(value).ok_or(SceneError::Value { path, name, value, wanted })
 }
 
-fn vector(file: &Path, name: &'static str, value: [f64; 3]) -> Result<DVec3, SceneError> {
+pub(super) fn vector(
+    file: &Path,
+    name: &'static str,
+    value: [f64; 3],
+) -> Result<DVec3, SceneError> {
     let is_vector = value.iter().all(|x| x.abs() <= MAX_COORDINATE);
     let wanted = "coordinates are numbers within ±1e15";
     let path = shown(file);
@@ -219,6 +336,8 @@ fn from_obj(name: &str, path: &Path) -> Result<Scene, SceneError> {
         mesh,
         materials,
         light: Light::Headlight,
+        distribution: Distribution::default(),
+        filter: None,
         ambient: [0.0; 3],
         background: [0.0; 3],
         notes,

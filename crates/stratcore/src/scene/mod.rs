@@ -1,16 +1,22 @@
 //! What is looked at: triangles, Lambertian materials, one light, a camera.
 
 mod camera;
+mod distribution;
 mod error;
 mod file;
+mod filter;
 pub mod library;
+mod light_table;
 mod obj;
 #[cfg(test)]
 mod tests;
 
 pub use camera::{Camera, CameraFault, PixelFrame};
+pub use distribution::{Aperture, AreaLight, Distribution, Lens, LightShape, Motion};
+pub(crate) use distribution::{around, disk};
 pub use error::SceneError;
 pub use file::load;
+pub use filter::{Filter, FilterMethod, FilterShape};
 
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -32,8 +38,12 @@ pub struct Scene {
     pub mesh: Mesh,
     /// Materials, indexed by [`Mesh::materials`].
     pub materials: Vec<Material>,
-    /// What lights the surfaces.
+    /// What lights the surfaces from a point or a direction.
     pub light: Light,
+    /// What a pixel integrates over besides its square.
+    pub distribution: Distribution,
+    /// How a pixel weighs the picture about its centre; its own square, evenly, if none.
+    pub filter: Option<Filter>,
     /// Radiance of light that comes from everywhere and casts no shadow, times Kd.
     pub ambient: Rgb,
     /// Radiance where nothing is hit.
@@ -69,8 +79,8 @@ impl Mesh {
     }
 }
 
-/// A Lambertian surface.
-#[derive(Debug, Clone, PartialEq)]
+/// A Lambertian surface, and what it is besides where the scene follows mirrors and glass.
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Material {
     /// Name in the MTL file.
     pub name: String,
@@ -78,12 +88,37 @@ pub struct Material {
     pub kd: Rgb,
     /// Emitted radiance.
     pub ke: Rgb,
+    /// What it does to rays where [`Distribution::specular_depth`] is above 0.
+    pub specular: Specular,
+}
+
+/// How a surface sends rays on in one direction.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Specular {
+    /// Not at all.
+    #[default]
+    None,
+    /// As a mirror.
+    Mirror {
+        /// Share that is reflected.
+        reflectance: Rgb,
+    },
+    /// As the border between air, on the side that the normal points to, and glass: both rays
+    /// are followed, weighted by Fresnel's equations for unpolarised light.
+    Glass {
+        /// Refractive index inside.
+        index: f64,
+        /// Share of the refracted light that passes the surface.
+        transmittance: Rgb,
+    },
 }
 
 /// What lights the surfaces. Both sides of a triangle reflect; the side that the eye sees is
 /// lit only from its own half-space. A surface's radiance is Ke + Kd·(ambient + E), with E:
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Light {
+    /// None: ambient light, emission and area lights alone.
+    Off,
     /// A light at the eye that neither falls off nor casts shadows: E = |n·v|, v from the hit
     /// to the eye.
     Headlight,

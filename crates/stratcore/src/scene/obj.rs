@@ -5,7 +5,7 @@
 //! (texture coordinates, names, lines, curves) never reaches it.
 
 use super::library::Model;
-use super::{MAX_COORDINATE, Material, SceneError};
+use super::{MAX_COORDINATE, Material, Rgb, SceneError, Specular};
 use glam::DVec3;
 use std::collections::HashMap;
 use std::fmt::Write;
@@ -55,7 +55,7 @@ pub(super) fn read(
             let path = path.display();
             notes.push(format!("{path}: {grey} triangles without a material get Kd {kd}"));
         }
-        model.materials.push(Material { name, kd: [DEFAULT_KD; 3], ke: [0.0; 3] });
+        model.materials.push(Material { name, kd: [DEFAULT_KD; 3], ..Material::default() });
     }
     if smooth && checked.faces_with_normals > 0 {
         if let Some(line) = checked.face_without_normals {
@@ -95,6 +95,24 @@ fn material(m: &tobj::Material) -> Material {
         name: m.name.clone(),
         kd: m.diffuse.unwrap_or([DEFAULT_KD; 3]),
         ke: m.emissive.unwrap_or([0.0; 3]),
+        specular: specular(m),
+    }
+}
+
+/// By the material's `illum`: 3 and 5 are mirrors of reflectance Ks; 4, 6 and 7 are glass of
+/// index Ni and filter Tf.
+fn specular(m: &tobj::Material) -> Specular {
+    const GLASS_INDEX: f64 = 1.5;
+    match m.illumination_model {
+        Some(3 | 5) => Specular::Mirror { reflectance: m.specular.unwrap_or([1.0; 3]) },
+        Some(4 | 6 | 7) => {
+            let filter = m.unknown_param.get("Tf").and_then(|tf| colour("Tf", tf).ok());
+            Specular::Glass {
+                index: m.optical_density.unwrap_or(GLASS_INDEX),
+                transmittance: filter.unwrap_or([1.0; 3]),
+            }
+        }
+        _ => Specular::None,
     }
 }
 
@@ -210,17 +228,27 @@ fn checked_mtl(path: &Path, notes: &mut Vec<String>) -> Result<String, SceneErro
         return Ok(String::new());
     }
     let mut checked = String::new();
-    for (number, line) in (1..).zip(read_text(path)?.lines()) {
-        let at_line = |fault| SceneError::Line { path: shown(path), line: number, fault };
+    for (line_number, line) in (1..).zip(read_text(path)?.lines()) {
+        let at_line = |fault| SceneError::Line { path: shown(path), line: line_number, fault };
         match keyword(line) {
             ("newmtl", "") => return Err(at_line("a material needs a name".to_owned())),
             ("newmtl", name) => checked += &format!("newmtl {name}\n"),
-            (key @ ("Kd" | "Ke"), rest) => {
-                let [r, g, b] = three_numbers(rest, f64::MAX).map_err(at_line)?;
-                if r.min(g).min(b) < 0.0 {
-                    return Err(at_line(format!("{key} is negative; colours are 0 or more")));
-                }
+            (key @ ("Kd" | "Ke" | "Ks" | "Tf"), rest) => {
+                let [r, g, b] = colour(key, rest).map_err(at_line)?;
                 checked += &format!("{key} {r:e} {g:e} {b:e}\n");
+            }
+            ("Ni", rest) => {
+                let index = number(rest, 1e3).map_err(at_line)?;
+                if index <= 0.0 {
+                    return Err(at_line(format!("refractive index {index} is not above 0")));
+                }
+                checked += &format!("Ni {index:e}\n");
+            }
+            ("illum", rest) => {
+                let model = rest.parse::<u8>().map_err(|_| {
+                    at_line(format!("illum \"{rest}\" is not a whole number from 0 to 10"))
+                })?;
+                checked += &format!("illum {model}\n");
             }
             _ => {}
         }
@@ -246,6 +274,12 @@ fn three_numbers(words: &str, largest: f64) -> Result<[f64; 3], String> {
     let found: Vec<f64> =
         words.split_whitespace().map(|w| number(w, largest)).collect::<Result<_, _>>()?;
     found.try_into().map_err(|_| format!("\"{words}\" should be three numbers"))
+}
+
+fn colour(key: &str, words: &str) -> Result<Rgb, String> {
+    let rgb = three_numbers(words, f64::MAX)?;
+    let is_negative = rgb.iter().any(|x| *x < 0.0);
+    if is_negative { Err(format!("{key} is negative; colours are 0 or more")) } else { Ok(rgb) }
 }
 
 /// x y z, then nothing, a weight w that divides them, or a colour, which we do not use.

@@ -52,6 +52,7 @@ impl<'a> ExactStudy<'a> {
         let plan = self.plan;
         let curve = match integrand {
             PixelIntegrand::Rays(_) => Err(Unresolved::Rays),
+            PixelIntegrand::AreaBeam(_) | PixelIntegrand::Filtered(_) => Err(Unresolved::Weighted),
             PixelIntegrand::Beam(beam) => {
                 let grids = self.grids.as_ref().map_err(Clone::clone);
                 grids.and_then(|grids| grids.curve(beam, self.tolerance))

@@ -20,8 +20,8 @@ pub struct Image {
     pub pixels: Vec<Rgb>,
 }
 
-/// The picture of a scene: the mean radiance of each pixel over `spp` points of a sampler.
-/// Jittered points fill a grid as nearly square as `spp` allows. Progress is counted in samples.
+/// The picture of a scene: the mean radiance of each pixel over `spp` points of a sampler, in as
+/// many dimensions as the scene has. Jittered points fill a grid as nearly square as `spp` allows. Progress is counted in samples.
 ///
 /// # Errors
 /// [`StudyError::EmptyPlan`] for no samples; [`StudyError::Unaddressable`] for too many;
@@ -34,17 +34,17 @@ pub fn render(
     seed: u64,
     control: Control<'_>,
 ) -> Result<Image, StudyError> {
-    const DIM: usize = 2;
+    let dim = scene.scene().distribution.dim();
     if spp == 0 {
         return Err(StudyError::EmptyPlan("samples"));
     }
     sampler::check_scramble(choice.sampler, choice.scramble)?;
-    sampler::count_used(choice.sampler, spp, DIM, CountPolicy::Rect)?;
+    sampler::count_used(choice.sampler, spp, dim, CountPolicy::Rect)?;
     let [width, height] = scene.scene().camera.resolution;
     let set = |x, y| {
         let sampler = choice.sampler.stream_id();
         let key = StreamKey { seed, pixel: [x, y], sampler, n_samples: spp, trial: 0 };
-        PointSet { key, dim: DIM, scramble: choice.scramble, rectangular: true }
+        PointSet { key, dim, scramble: choice.scramble, rectangular: true }
     };
     set(width.saturating_sub(1), height.saturating_sub(1)).key.check()?;
     let rows: Vec<Vec<Rgb>> = (0..height)
@@ -70,25 +70,30 @@ fn mean_radiance(
     /// Points at a time.
     const BLOCK: u64 = 512;
     let source = choice.sampler.points(set);
-    let camera = &scene.scene().camera;
-    let frame = camera.pixel(set.key.pixel);
+    let pixel = scene.colour(set.key.pixel);
     let n = set.key.n_samples;
-    let mut points = [0.0; 2 * BLOCK as usize];
-    let mut sum = [0.0; 3];
+    let mut points = vec![0.0; set.dim * BLOCK as usize];
+    let mut weights = [1.0; BLOCK as usize];
+    let (mut sum, mut weight) = ([0.0; 3], 0.0);
     for first in (0..n).step_by(BLOCK as usize) {
         if control.cancel.load(Ordering::Relaxed) {
             break;
         }
         let len = BLOCK.min(n - first);
-        let points = &mut points[..2 * len as usize];
+        let points = &mut points[..set.dim * len as usize];
         source.fill(first, points);
-        for point in points.chunks_exact(2) {
-            let radiance = scene.radiance(camera.eye, frame.direction(point[0], point[1]));
+        for point in points.chunks_exact(set.dim) {
+            let radiance = pixel.radiance(point);
             sum = std::array::from_fn(|i| sum[i] + radiance[i]);
         }
+        let weights = &mut weights[..len as usize];
+        if pixel.is_weighted() {
+            pixel.weigh_block(points, weights);
+        }
+        weight += weights.iter().sum::<f64>();
         (control.progress)(len);
     }
-    sum.map(|channel| channel / n as f64)
+    sum.map(|channel| channel / weight)
 }
 
 #[cfg(test)]

@@ -17,19 +17,33 @@ pub struct Accel {
 impl Accel {
     /// Builds the tree. Triangles that no ray can meet (zero area, or a coordinate that is not
     /// finite) are left out.
-    pub fn build(mesh: &Mesh, eye: DVec3) -> Self {
+    ///
+    /// With the vertices' displacements while the shutter is open, boxes contain all that the
+    /// triangles sweep.
+    pub fn build(mesh: &Mesh, eye: DVec3, motion: Option<&[DVec3]>) -> Self {
         let corners = |id: u32| mesh.corners(id as usize).map(|p| p - eye);
+        let moved = |id: u32| {
+            let indices = mesh.triangles[id as usize].map(|i| i as usize);
+            let shift = |i: usize| motion.map_or(DVec3::ZERO, |motion| motion[i]);
+            indices.map(|i| mesh.positions[i] + shift(i) - eye)
+        };
         let can_be_met = |id: &u32| {
             let [a, b, c] = corners(*id);
             let normal = (b - a).cross(c - a);
             normal.is_finite() && normal != DVec3::ZERO
         };
         let ids: Vec<u32> = (0..mesh.triangles.len() as u32).filter(can_be_met).collect();
-        let extent =
-            |id: &u32| corners(*id).iter().fold(0.0, |m: f64, p| m.max(p.abs().max_element()));
+        let extent = |id: &u32| {
+            corners(*id)
+                .iter()
+                .chain(&moved(*id))
+                .fold(0.0, |m: f64, p| m.max(p.abs().max_element()))
+        };
         // Far above the rounding of f64 coordinates at this distance, far below f32's.
         let pad = ids.iter().map(extent).fold(0.0, f64::max) * 2f64.powi(-40);
-        let boxes: Vec<Aabb> = ids.iter().map(|id| padded_box(corners(*id), pad)).collect();
+        let swept = |id: &u32| [corners(*id), moved(*id)];
+        let boxes: Vec<Aabb> =
+            ids.iter().map(|id| padded_box(swept(id).as_flattened(), pad)).collect();
         Self { bvh: build_tree(&boxes, &ids), eye }
     }
 
@@ -119,9 +133,9 @@ fn build_tree(boxes: &[Aabb], triangles: &[u32]) -> Bvh2 {
     bvh
 }
 
-fn padded_box(corners: [DVec3; 3], pad: f64) -> Aabb {
-    let [a, b, c] = corners;
-    let (low, high) = (a.min(b).min(c) - pad, a.max(b).max(c) + pad);
+fn padded_box(points: &[DVec3], pad: f64) -> Aabb {
+    let low = points.iter().fold(DVec3::INFINITY, |low, p| low.min(*p)) - pad;
+    let high = points.iter().fold(DVec3::NEG_INFINITY, |high, p| high.max(*p)) + pad;
     let down = |x: f64| if f64::from(x as f32) > x { (x as f32).next_down() } else { x as f32 };
     let up = |x: f64| if f64::from(x as f32) < x { (x as f32).next_up() } else { x as f32 };
     Aabb::new(

@@ -1,7 +1,8 @@
 //! The integral of one pixel.
 
-use super::TracedScene;
-use crate::beam::PixelBeam;
+use super::rays::{Radiance, rays};
+use super::{Filtered, TracedScene};
+use crate::beam::{AreaBeam, PixelBeam};
 use crate::integrand::Integrand;
 use crate::sampler::{PointSet, Sampler};
 use crate::scene::{Channel, PixelFrame};
@@ -16,24 +17,20 @@ pub enum Tracer {
     /// not serve are traced by rays.
     #[default]
     Beam,
-    /// One ray through the BVH per sample, in f64.
+    /// Rays through the BVH for each sample, in f64.
     Bvh,
 }
 
 /// A channel of the radiance over one pixel's square.
 pub enum PixelIntegrand<'a> {
-    /// By one ray per point.
-    Rays(PixelRays<'a>),
+    /// By rays.
+    Rays(Box<dyn Radiance + 'a>),
     /// By the pixel's beam.
     Beam(Box<PixelBeam>),
-}
-
-/// One ray through the BVH per point.
-#[derive(Clone, Copy)]
-pub struct PixelRays<'a> {
-    scene: &'a TracedScene,
-    frame: PixelFrame,
-    channel: Channel,
+    /// By the pixel's beam, and by what stands before area lights.
+    AreaBeam(Box<AreaBeam<'a>>),
+    /// Any of these, under a reconstruction filter.
+    Filtered(Filtered<'a, PixelIntegrand<'a>>),
 }
 
 impl<'a> PixelIntegrand<'a> {
@@ -43,18 +40,49 @@ impl<'a> PixelIntegrand<'a> {
         channel: Channel,
         tracer: Tracer,
     ) -> Self {
-        if tracer == Tracer::Beam
-            && let Some(beam) = PixelBeam::new(scene.scene(), scene.accel().bvh(), pixel, channel)
-        {
-            return Self::Beam(Box::new(beam));
+        let frame = scene.scene().camera.pixel(pixel);
+        match &scene.scene().filter {
+            None => Self::unfiltered(scene, frame, channel, tracer),
+            Some(filter) => {
+                let support = frame.widened(filter.radius);
+                let inner = Self::unfiltered(scene, support, channel, tracer);
+                Self::Filtered(Filtered::new(Box::new(inner), filter))
+            }
         }
-        Self::Rays(PixelRays { scene, frame: scene.scene().camera.pixel(pixel), channel })
+    }
+
+    fn unfiltered(
+        scene: &'a TracedScene,
+        frame: PixelFrame,
+        channel: Channel,
+        tracer: Tracer,
+    ) -> Self {
+        let beam = || PixelBeam::of_frame(scene.scene(), scene.accel().bvh(), &frame, channel);
+        match (tracer == Tracer::Beam).then(beam).flatten() {
+            Some(beam) if scene.scene().distribution.lights.is_empty() => {
+                Self::Beam(Box::new(beam))
+            }
+            Some(beam) => Self::AreaBeam(Box::new(AreaBeam::new(scene, beam, channel))),
+            None => Self::Rays(rays(scene, frame, channel)),
+        }
+    }
+
+    /// Triangles that may be seen in the pixel; none where rays find them.
+    pub fn n_facets(&self) -> Option<usize> {
+        match self {
+            Self::Rays(_) => None,
+            Self::Beam(beam) => Some(beam.n_facets()),
+            Self::AreaBeam(beam) => Some(beam.n_facets()),
+            Self::Filtered(filtered) => filtered.inner().n_facets(),
+        }
     }
 
     fn inner(&self) -> &dyn Integrand {
         match self {
-            Self::Rays(rays) => rays,
+            Self::Rays(rays) => &**rays,
             Self::Beam(beam) => &**beam,
+            Self::AreaBeam(beam) => &**beam,
+            Self::Filtered(filtered) => filtered,
         }
     }
 }
@@ -76,6 +104,14 @@ impl Integrand for PixelIntegrand<'_> {
         self.inner().eval_block(points, values);
     }
 
+    fn is_weighted(&self) -> bool {
+        self.inner().is_weighted()
+    }
+
+    fn weigh_block(&self, points: &[f64], weights: &mut [f64]) {
+        self.inner().weigh_block(points, weights);
+    }
+
     fn trial_means(
         &self,
         sampler: &dyn Sampler,
@@ -85,21 +121,5 @@ impl Integrand for PixelIntegrand<'_> {
         cancel: &AtomicBool,
     ) -> bool {
         self.inner().trial_means(sampler, set, first_trial, means, cancel)
-    }
-}
-
-impl Integrand for PixelRays<'_> {
-    fn dim(&self) -> usize {
-        2
-    }
-
-    fn axes(&self) -> Vec<String> {
-        vec!["pixel_x".to_owned(), "pixel_y".to_owned()]
-    }
-
-    fn eval(&self, point: &[f64]) -> f64 {
-        let eye = self.scene.scene().camera.eye;
-        let direction = self.frame.direction(point[0], point[1]);
-        self.channel.of(self.scene.radiance(eye, direction))
     }
 }

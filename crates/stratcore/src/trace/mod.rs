@@ -2,13 +2,20 @@
 
 mod accel;
 mod exact;
+mod filtered;
 mod integrand;
+mod moment;
+mod rays;
+mod scatter;
+mod surface;
 #[cfg(test)]
 mod tests;
 mod tracer;
 mod triangle;
 
 pub use accel::Accel;
-pub use integrand::{PixelIntegrand, PixelRays, Tracer};
+pub use filtered::Filtered;
+pub use integrand::{PixelIntegrand, Tracer};
+pub use rays::Radiance;
 pub use tracer::{Hit, TracedScene};
 pub use triangle::{Crossing, Ray};

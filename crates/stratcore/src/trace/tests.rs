@@ -5,7 +5,7 @@ use super::*;
 use crate::integrand::Integrand;
 use crate::sampler::{Jittered, PointSet, Scramble};
 use crate::scene::library::{Model, cube, icosphere, torus};
-use crate::scene::{Camera, Channel, Light, Material, Mesh, Rgb, Scene, load};
+use crate::scene::{Camera, Channel, Distribution, Light, Material, Mesh, Rgb, Scene, load};
 use crate::study::{Control, SamplerChoice, StudyPlan, study};
 use crate::theory::Class;
 use glam::{DVec3, dvec3};
@@ -26,8 +26,14 @@ fn scene_of(mesh: Mesh, eye: DVec3, light: Light) -> Scene {
             resolution: [64, 48],
         },
         mesh,
-        materials: vec![Material { name: "m".to_owned(), kd: [0.5, 0.25, 0.75], ke: [0.0; 3] }],
+        materials: vec![Material {
+            name: "m".to_owned(),
+            kd: [0.5, 0.25, 0.75],
+            ..Material::default()
+        }],
         light,
+        distribution: Distribution::default(),
+        filter: None,
         ambient: [0.0; 3],
         background: [0.1, 0.2, 0.3],
         notes: Vec::new(),

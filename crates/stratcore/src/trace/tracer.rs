@@ -1,7 +1,10 @@
 //! What a ray sees.
 
-use super::{Accel, Crossing, PixelIntegrand, Ray, Tracer};
-use crate::scene::{Channel, Light, Rgb, Scene};
+use super::moment::{Moment, Still};
+use super::rays::{Radiance, rays};
+use super::scatter::{Direct, Scatter};
+use super::{Accel, Crossing, Filtered, PixelIntegrand, Ray, Tracer};
+use crate::scene::{Channel, Rgb, Scene};
 use glam::DVec3;
 
 /// A scene with its BVH.
@@ -21,9 +24,9 @@ pub struct Hit {
 }
 
 /// The nearest crossing so far; the lower triangle wins a tie.
-struct Nearest {
-    triangle: u32,
-    crossing: Crossing,
+pub(super) struct Nearest {
+    pub triangle: u32,
+    pub crossing: Crossing,
 }
 
 impl Nearest {
@@ -46,7 +49,8 @@ impl TracedScene {
     /// Builds the BVH. Every index in the mesh must be in range, as [`load`](crate::scene::load)
     /// makes sure.
     pub fn new(scene: Scene) -> Self {
-        let accel = Accel::build(&scene.mesh, scene.camera.eye);
+        let motion = scene.distribution.motion.as_ref().map(|motion| &motion.vertices[..]);
+        let accel = Accel::build(&scene.mesh, scene.camera.eye, motion);
         Self { scene, accel, tracer: Tracer::default() }
     }
 
@@ -76,9 +80,22 @@ impl TracedScene {
         PixelIntegrand::new(self, pixel, channel, self.tracer)
     }
 
+    /// Pixel (x, y) in colour, by rays.
+    pub fn colour(&self, pixel: [u32; 2]) -> Box<dyn Radiance + '_> {
+        let frame = self.scene.camera.pixel(pixel);
+        let channel = Channel::default();
+        match &self.scene.filter {
+            None => rays(self, frame, channel),
+            Some(filter) => {
+                let inner = rays(self, frame.widened(filter.radius), channel);
+                Box::new(Filtered::new(inner, filter))
+            }
+        }
+    }
+
     /// The nearest triangle; the lowest index where two are exactly as near.
     pub fn closest_hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
-        self.nearest(&Ray { origin, direction }).map(|nearest| nearest.hit())
+        self.nearest(&Ray { origin, direction }, None, Still).map(|nearest| nearest.hit())
     }
 
     /// The same answer from a loop over all triangles: what the BVH is tested against.
@@ -96,14 +113,25 @@ impl TracedScene {
     /// Whether anything lies between `origin` and `origin + direction * t_max` (infinity for a
     /// light infinitely far away), other than the triangle `skip` that the ray starts on.
     pub fn occluded(&self, origin: DVec3, direction: DVec3, t_max: f64, skip: Option<u32>) -> bool {
+        self.blocks(&Ray { origin, direction }, t_max, skip, Still)
+    }
+
+    /// [`TracedScene::occluded`] at a moment.
+    #[inline]
+    pub(super) fn blocks<M: Moment>(
+        &self,
+        ray: &Ray,
+        t_max: f64,
+        skip: Option<u32>,
+        moment: M,
+    ) -> bool {
         const STOP: f64 = -1.0;
-        let ray = Ray { origin, direction };
         let mut blocked = false;
-        self.accel.walk(origin, direction, t_max, |id, limit| {
+        self.accel.walk(ray.origin, ray.direction, t_max, |id, limit| {
             let is_between = !blocked
                 && Some(id) != skip
                 && ray
-                    .meets(self.scene.mesh.corners(id as usize))
+                    .meets(moment.corners(&self.scene.mesh, id as usize))
                     .is_some_and(|crossing| crossing.inverse_t * t_max > 1.0);
             blocked |= is_between;
             if blocked { STOP } else { limit }
@@ -111,19 +139,25 @@ impl TracedScene {
         blocked
     }
 
-    /// Linear radiance along a ray.
+    /// Linear radiance along a ray, by the lights that have no area.
     pub fn radiance(&self, origin: DVec3, direction: DVec3) -> Rgb {
-        let ray = Ray { origin, direction };
-        match self.nearest(&ray) {
-            Some(nearest) => self.reflected(&ray, &nearest),
-            None => self.scene.background,
-        }
+        Direct::radiance(self, &Ray { origin, direction }, Still, &[], &[])
     }
 
-    fn nearest(&self, ray: &Ray) -> Option<Nearest> {
+    /// The nearest triangle at a moment, other than the one that the ray starts on.
+    #[inline]
+    pub(super) fn nearest<M: Moment>(
+        &self,
+        ray: &Ray,
+        skip: Option<u32>,
+        moment: M,
+    ) -> Option<Nearest> {
         let mut best = None;
         self.accel.walk(ray.origin, ray.direction, f64::INFINITY, |id, limit| {
-            match ray.meets(self.scene.mesh.corners(id as usize)) {
+            if Some(id) == skip {
+                return limit;
+            }
+            match ray.meets(moment.corners(&self.scene.mesh, id as usize)) {
                 Some(crossing) => {
                     Nearest::consider(&mut best, id, crossing);
                     limit.min(1.0 / crossing.inverse_t)
@@ -132,50 +166,5 @@ impl TracedScene {
             }
         });
         best
-    }
-
-    fn reflected(&self, ray: &Ray, nearest: &Nearest) -> Rgb {
-        let mesh = &self.scene.mesh;
-        let id = nearest.triangle as usize;
-        let [a, b, c] = mesh.corners(id);
-        let to_eye = -ray.direction.normalize();
-        // Both normals on the eye's side of the surface.
-        let plane_normal = (b - a).cross(c - a).normalize();
-        let plane_normal =
-            if plane_normal.dot(to_eye) < 0.0 { -plane_normal } else { plane_normal };
-        let normal = match &mesh.corner_normals {
-            Some(normals) => {
-                let [wa, wb, wc] = nearest.crossing.edges;
-                let [na, nb, nc] = normals[id];
-                let normal = (na * wa + nb * wb + nc * wc).normalize_or(plane_normal);
-                if normal.dot(plane_normal) < 0.0 { -normal } else { normal }
-            }
-            None => plane_normal,
-        };
-        let point = || ray.origin + ray.direction / nearest.crossing.inverse_t;
-        // Cosine and whether the light reaches the point, for a light along `to_light`.
-        let lit_cosine = |point: DVec3, to_light: DVec3, t_max: f64| {
-            let cosine = normal.dot(to_light) / to_light.length();
-            let faces = plane_normal.dot(to_light) > 0.0 && cosine > 0.0;
-            let id = Some(nearest.triangle);
-            if faces && !self.occluded(point, to_light, t_max, id) { cosine } else { 0.0 }
-        };
-        let irradiance = match self.scene.light {
-            Light::Headlight => [normal.dot(to_eye).abs(); 3],
-            Light::Point { position, intensity } => {
-                let point = point();
-                let to_light = position - point;
-                let cosine = lit_cosine(point, to_light, 1.0);
-                intensity.map(|i| i * cosine / to_light.length_squared())
-            }
-            Light::Directional { towards, irradiance } => {
-                let cosine = lit_cosine(point(), towards, f64::INFINITY);
-                irradiance.map(|i| i * cosine)
-            }
-        };
-        let material = &self.scene.materials[mesh.materials[id] as usize];
-        std::array::from_fn(|i| {
-            material.ke[i] + material.kd[i] * (self.scene.ambient[i] + irradiance[i])
-        })
     }
 }

@@ -7,13 +7,13 @@ use glam::{DAffine3, DVec3};
 impl Model {
     /// Adds a material and returns its index.
     pub(super) fn material(&mut self, name: &str, kd: Rgb) -> u32 {
-        self.materials.push(Material { name: name.to_owned(), kd, ke: [0.0; 3] });
+        self.materials.push(Material { name: name.to_owned(), kd, ..Material::default() });
         self.materials.len() as u32 - 1
     }
 
     /// Adds a material that only emits, the same in all directions.
     pub(super) fn emitter(&mut self, name: &str, ke: Rgb) -> u32 {
-        self.materials.push(Material { name: name.to_owned(), kd: [0.0; 3], ke });
+        self.materials.push(Material { name: name.to_owned(), ke, ..Material::default() });
         self.materials.len() as u32 - 1
     }
 

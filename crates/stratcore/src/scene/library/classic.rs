@@ -1,7 +1,7 @@
 //! `classic`: the kind of picture that ray tracers made in 1996.
 
 use super::{Model, cube, icosphere, torus};
-use crate::scene::{Mesh, Rgb};
+use crate::scene::{Mesh, Rgb, Specular};
 use glam::{DAffine3, DQuat, DVec3, dvec3};
 
 const IVORY: Rgb = [0.86, 0.84, 0.78];
@@ -20,6 +20,20 @@ pub(super) fn model() -> Model {
     checkerboard(&mut model);
     still_life(&mut model);
     avenue(&mut model);
+    model
+}
+
+/// The same with mirrors: the balls and the ring reflect most of what they see.
+pub(super) fn with_mirrors() -> Model {
+    const MIRRORS: [&str; 4] = ["coral", "amber", "teal", "rose"];
+    let mut model = model();
+    for material in &mut model.materials {
+        if MIRRORS.contains(&&*material.name) {
+            material.specular =
+                Specular::Mirror { reflectance: material.kd.map(|kd| 0.3 + 0.6 * kd) };
+            material.kd = material.kd.map(|kd| 0.25 * kd);
+        }
+    }
     model
 }
 

@@ -5,6 +5,7 @@ mod build;
 mod classic;
 mod edges;
 mod grass;
+mod room;
 mod shapes;
 
 pub use shapes::{cube, icosphere, torus};
@@ -53,10 +54,41 @@ pub const SCENES: &[BuiltIn] = &[
         summary: "a target whose pixels have known convergence",
         toml: include_str!("../../../../../assets/edges.toml"),
     },
+    BuiltIn {
+        name: "classic-mirrors",
+        summary: "classic's balls and ring as mirrors, under a point light with shadows",
+        toml: include_str!("../../../../../assets/classic-mirrors.toml"),
+    },
+    BuiltIn {
+        name: "room",
+        summary: "a block and a ball in a box under a square lamp: soft shadows, d = 4",
+        toml: include_str!("../../../../../assets/room.toml"),
+    },
+    BuiltIn {
+        name: "room-lens",
+        summary: "the room through a lens: d = 6",
+        toml: include_str!("../../../../../assets/room-lens.toml"),
+    },
+    BuiltIn {
+        name: "room-motion",
+        summary: "the room with its ball rolling: d = 5",
+        toml: include_str!("../../../../../assets/room-motion.toml"),
+    },
+    BuiltIn {
+        name: "room-all",
+        summary: "the room through a lens, its ball rolling: d = 7",
+        toml: include_str!("../../../../../assets/room-all.toml"),
+    },
+    BuiltIn {
+        name: "room-bounce",
+        summary: "the room with two diffuse reflections and a ball of glass: d = 8",
+        toml: include_str!("../../../../../assets/room-bounce.toml"),
+    },
 ];
 
 /// Names of the meshes made by code (`builtin = "classic"` in a scene file).
-pub const MODELS: &[&str] = &["classic", "grass", "edges"];
+pub const MODELS: &[&str] =
+    &["classic", "classic-mirrors", "grass", "edges", "room", "room-ball", "room-glass-ball"];
 
 /// The mesh of this name; none if it is not in [`MODELS`].
 pub fn model(name: &str) -> Option<Model> {
@@ -64,6 +96,10 @@ pub fn model(name: &str) -> Option<Model> {
         "classic" => Some(classic::model()),
         "grass" => Some(grass::model()),
         "edges" => Some(edges::model()),
+        "classic-mirrors" => Some(classic::with_mirrors()),
+        "room" => Some(room::room()),
+        "room-ball" => Some(room::ball()),
+        "room-glass-ball" => Some(room::glass_ball()),
         _ => None,
     }
 }
