@@ -169,7 +169,7 @@ fn labelled(mut scene: Scene) -> Scene {
     scene.ambient = [0.0; 3];
     scene.background = [0.0; 3];
     scene.mesh.materials = (0..n).collect();
-    let label = |i| Material { name: String::new(), kd: [0.0; 3], ke: [f64::from(i + 1); 3] };
+    let label = |i| Material { ke: [f64::from(i + 1); 3], ..Material::default() };
     scene.materials = (0..n).map(label).collect();
     scene
 }
