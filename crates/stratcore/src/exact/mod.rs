@@ -258,26 +258,28 @@ impl<const D: usize> Tables<D> {
             })
             .filter(|step| step.change != Polynomial::ZERO)
             .collect();
-        let mut integral = Integral::default();
+        let (mut change, mut squares, mut size) = (0.0, 0.0, 0.0f64);
         for patch in &regions.patches {
             let mut to = fits[patch.to].0;
             let mut from = fits[patch.from].0;
             to.0[0][0] -= middle;
             from.0[0][0] -= middle;
-            integral.add(&self.fitter.rule, &patch.polygon, |s, t| {
+            let [first, second] = integral(&self.fitter.rule, &patch.polygon, |s, t| {
                 let (to, from) = (to.at(s, t), from.at(s, t));
                 [to - from, (to - from) * (to + from)]
             });
+            change += first;
+            squares += second;
+            size += second.abs();
         }
         // Least squares of what the polynomials leave out.
         let left_out: f64 =
             regions.labels.iter().zip(&fits).map(|(seen, fit)| seen.area * fit.1 * fit.1).sum();
-        let [change, squares] = integral.0;
         let mut error = 0.0f64;
         let mut within = |along: [&Axis<D>; 2], walked: f64| {
             let [k, l] = along.map(Axis::strata);
             let n = k as f64 * l as f64;
-            let terms = n * squares.abs() + walked.abs();
+            let terms = n * size + walked.abs();
             let sum = variance_within(&base, along[0], along[1]) + (n * squares - walked);
             // Constants that fit the grid leave nothing.
             if D == 1 && sum <= NOTHING * terms {
@@ -336,35 +338,30 @@ impl<const D: usize> Tables<D> {
     }
 }
 
-/// Integrals over polygons of a pair of functions.
-#[derive(Default)]
-struct Integral([f64; 2]);
-
-impl Integral {
-    /// Exact for polynomials of degree 2(D - 1).
-    fn add<const D: usize>(
-        &mut self,
-        rule: &[(f64, f64); D],
-        polygon: &Polygon,
-        f: impl Fn(f64, f64) -> [f64; 2],
-    ) {
-        let Some(&[start, _]) = polygon.corners().first() else { return };
-        for [from, to] in polygon.sides() {
-            let rise = to[1] - from[1];
-            if rise == 0.0 {
-                continue;
-            }
-            for (along, weight) in rule {
-                let s = from[0] + along * (to[0] - from[0]);
-                let t = from[1] + along * rise;
-                let width = s - start;
-                for (across, share) in rule {
-                    let values = f(start + across * width, t);
-                    for (sum, value) in self.0.iter_mut().zip(values) {
-                        *sum += rise * weight * width * share * value;
-                    }
+/// Integrals of a pair of functions over a polygon, exact for polynomials of degree 2(D - 1).
+fn integral<const D: usize>(
+    rule: &[(f64, f64); D],
+    polygon: &Polygon,
+    f: impl Fn(f64, f64) -> [f64; 2],
+) -> [f64; 2] {
+    let mut sums = [0.0; 2];
+    let Some(&[start, _]) = polygon.corners().first() else { return sums };
+    for [from, to] in polygon.sides() {
+        let rise = to[1] - from[1];
+        if rise == 0.0 {
+            continue;
+        }
+        for (along, weight) in rule {
+            let s = from[0] + along * (to[0] - from[0]);
+            let t = from[1] + along * rise;
+            let width = s - start;
+            for (across, share) in rule {
+                let values = f(start + across * width, t);
+                for (sum, value) in sums.iter_mut().zip(values) {
+                    *sum += rise * weight * width * share * value;
                 }
             }
         }
     }
+    sums
 }

@@ -85,23 +85,23 @@ impl<const D: usize> Fitter<D> {
         });
         let [in_s, in_t] = bounds.map(|[lo, hi]| legendre::<D>(-lo / (hi - lo), 2.0 / (hi - lo)));
         let mut fitted = Polynomial::ZERO;
-        for n in 0..D {
+        for (n, in_s) in in_s.iter().enumerate() {
             let sums: [f64; D] =
                 std::array::from_fn(|j| (0..D).map(|i| self.project[n][i] * values[i][j]).sum());
-            for m in 0..D - n {
+            for (m, in_t) in in_t.iter().enumerate().take(D - n) {
                 let coefficient: f64 = (0..D).map(|j| self.project[m][j] * sums[j]).sum();
-                for a in 0..=n {
-                    for b in 0..=m {
-                        fitted.0[a][b] += coefficient * in_s[n][a] * in_t[m][b];
+                for (a, in_s) in in_s.iter().enumerate().take(n + 1) {
+                    for (b, in_t) in in_t.iter().enumerate().take(m + 1) {
+                        fitted.0[a][b] += coefficient * in_s * in_t;
                     }
                 }
             }
         }
         let mut error = 0.0f64;
-        for i in 0..D {
-            for j in 0..D {
+        for (i, values) in values.iter().enumerate() {
+            for (j, value) in values.iter().enumerate() {
                 let [s, t] = position(i, j);
-                error = error.max((values[i][j] - fitted.at(s, t)).abs());
+                error = error.max((value - fitted.at(s, t)).abs());
             }
         }
         for (x, y) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {

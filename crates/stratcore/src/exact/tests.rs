@@ -340,6 +340,30 @@ fn a_study_says_where_its_rows_come_from() {
     assert!(found.samplers.iter().all(|s| s.unresolved == Some(Unresolved::Rays)));
 }
 
+/// A wall under a point light, all of it in the shadow of a triangle out of sight; and the same
+/// with the shadow's edge in the pixel.
+#[test]
+fn a_pixel_in_shadow_has_one_value() {
+    let shadowed = |edge: f64| {
+        // The light is at the eye's height far to the right; the blocker stands half way.
+        let mut scene = Stage::new().wall(0.25, 5.0).traced().scene().clone();
+        scene.light = Light::Point { position: DVec3::new(40.0, 0.0, 0.0), intensity: [1e4; 3] };
+        // Lines from the light to x = 5 edge on the wall cross x = 20 at this depth.
+        let deep = 5.0 * 20.0 / (40.0 - 5.0 * edge);
+        let first = scene.mesh.positions.len() as u32;
+        let corner = |y: f64, z: f64| DVec3::new(20.0, y, z);
+        scene.mesh.positions.extend([corner(-90.0, deep), corner(90.0, deep), corner(0.0, -200.0)]);
+        scene.mesh.triangles.push([first, first + 1, first + 2]);
+        scene.mesh.materials.push(0);
+        curve(&beam(&TracedScene::new(scene), [0, 0]), &[1, 4, 9], TOLERANCE).unwrap()
+    };
+    let dark = shadowed(0.9);
+    assert_near(dark.mean, 0.25, 1e-15);
+    assert_eq!((dark.variance, &dark.jittered[..], dark.patches), (0.0, &[0.0; 3][..], 0));
+    let half = shadowed(0.0);
+    assert!(half.mean > 0.3 && half.variance > 0.0 && half.patches > 0, "{half:?}");
+}
+
 #[test]
 fn grids_of_too_many_strata_are_refused() {
     for counts in [&[0][..], &[1 << 26], &[16_777_213], &[1 << 24, 1]] {

@@ -164,7 +164,11 @@ fn carve(
         }
         // At one depth the lower triangle is seen, where it is one depth and not a rounded two.
         let is_tie = gap.magnitude() == 0.0 || look_alike(beam, outline.index, other.index);
-        if (!is_tie || nearer.triangle < facet.triangle) && work.take(&[e0, e1, e2])? && !is_tie {
+        if is_tie {
+            if nearer.triangle < facet.triangle {
+                work.take(&[e0, e1, e2])?;
+            }
+        } else if work.take(&[e0, e1, e2])? {
             return Err(Unresolved::EqualDepth([facet.triangle, nearer.triangle]));
         }
     }
@@ -204,7 +208,10 @@ impl Regions {
         for occluder in beam.occluders_of(index) {
             work.take(occluder.conditions())?;
         }
-        if !work.taken.is_empty() {
+        if work.parts.is_empty() {
+            self.labels[lit].label = label(false);
+            work.taken.clear();
+        } else if !work.taken.is_empty() {
             let shadow = lit + 1;
             let area = area_of(&work.taken);
             self.labels[lit].area = visible - area;

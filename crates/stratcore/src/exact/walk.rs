@@ -196,8 +196,8 @@ impl<'a, const D: usize> Walker<'a, D> {
             }
         }
         self.own[own] += rise * inside;
-        for a in 0..D {
-            self.following[a][next] += rise * powers[a];
+        for (following, power) in self.following.iter_mut().zip(powers) {
+            following[next] += rise * power;
         }
     }
 
