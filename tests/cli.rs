@@ -1,7 +1,7 @@
 //! The command line as a user meets it: every fault in one line, JSON and nothing else, exit
 //! codes, closed pipes and Ctrl-C.
 
-use serde_json::{Value, json as value};
+use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -194,15 +194,15 @@ fn a_pixel_study_keeps_the_promised_json() {
         assert_eq!(sampler["exact"], false);
     }
     assert!(samplers[1]["class"].is_string());
-    let prediction = |s: &Value| [&s["predicted"], &s["predicted_from"]].map(Clone::clone);
-    assert_eq!(prediction(&samplers[0]), [value!(1.0), value!("integrand")]);
+    let prediction = |s: &Value| serde_json::json!([s["predicted"], s["predicted_from"]]);
+    assert_eq!(prediction(&samplers[0]), serde_json::json!([1.0, "integrand"]));
     // Theory for the class that was measured; nothing where the class is unsure.
     assert_eq!(samplers[1]["class_is_sure"], true);
-    assert_eq!(prediction(&samplers[1]), [value!(1.5), value!("class")]);
+    assert_eq!(prediction(&samplers[1]), serde_json::json!([1.5, "class"]));
     let study = json(&["pixel", &quad, "--at", "4,3", "--trials", "5", "--counts", "1..4^2"]);
     let unsure = &study["samplers"][1];
     assert_eq!(unsure["class_is_sure"], false);
-    assert_eq!(prediction(unsure), [Value::Null, Value::Null]);
+    assert_eq!(prediction(unsure), serde_json::json!([null, null]));
 }
 
 /// The quad's right side cuts the pixel: both samplers are known, halton has to be measured.

@@ -218,7 +218,8 @@ fn smooth(lab: &mut Lab<'_>) -> Outcome {
 }
 
 fn dropped_point(lab: &mut Lab<'_>) -> Outcome {
-    let counts = powers(2, 5..=12);
+    // Below, the net's own N^-3 is still seen beside the penalty.
+    let counts = powers(2, 8..=12);
     let choice = SamplerChoice { sampler: &SobolFromSecond, scramble: Scramble::Owen };
     for name in ["ramp", "gaussian", "multilinear"] {
         let f = integrand(name, 2, &[])?;
@@ -232,7 +233,8 @@ fn dropped_point(lab: &mut Lab<'_>) -> Outcome {
         });
         let fit = power_law(penalties);
         let row = exponent_row(&format!("{name}: variance / with the point"), fit.as_ref(), -1.0);
-        let why = "the factor log N of the whole net; at few points its own N^-3 beside";
+        let why =
+            "the factor log N of the whole net, 0.13 here, and what is left of its N^-3 without";
         lab.push(Finding { quantity: "p of the ratio", ..row }.allowing(0.2, why));
     }
     Ok(())
