@@ -196,7 +196,7 @@ fn write_picture(set: &TileSet, header: &Header, output: &Output, points: bool) 
     let json = output.beside("json");
     files.push(json.clone());
     let found = Found { files, header: header.clone(), summary: Some(summary) };
-    AtomicFile::create_locked(&json)?.commit(output::json(&found.without_folders())?.as_bytes())?;
+    AtomicFile::create_locked(&json)?.commit(output::json(found.without_folders())?.as_bytes())?;
     Ok(found)
 }
 
