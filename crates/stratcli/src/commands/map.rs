@@ -67,6 +67,7 @@ pub fn run(args: &MapArgs, common: &Common) -> Result<Outcome> {
             if !common.quiet {
                 output::note(&format!("{} is finished already", job.output.path.display()));
             }
+            finish::show(&finish::read(&job.output)?, common)?;
         }
         Made::Interrupted => return Ok(Outcome::Interrupted),
     }
