@@ -293,7 +293,8 @@ fn a_finished_map_is_not_made_again() {
     folder.done(&map("out.exr", &[]));
     let time = || fs::metadata(folder.path("out.exr")).unwrap().modified().unwrap();
     let before = time();
-    folder.done(&map("out.exr", &["--resume"]));
+    let found = folder.done(&map("out.exr", &["--resume", "--json"]));
+    assert_eq!(serde_json::from_str::<Value>(&found).unwrap()["pixels"], 137 * 105);
     assert_eq!(time(), before);
     folder.done(&map("out.exr", &["--resume", "--seed", "7"]));
     assert_ne!(time(), before);

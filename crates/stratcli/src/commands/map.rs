@@ -67,6 +67,7 @@ pub fn run(args: &MapArgs, common: &Common) -> Result<Outcome> {
             if !common.quiet {
                 output::note(&format!("{} is finished already", job.output.path.display()));
             }
+            finish::show(&finish::read(&job.output)?, common)?;
         }
         Made::Interrupted => return Ok(Outcome::Interrupted),
     }
@@ -76,7 +77,7 @@ pub fn run(args: &MapArgs, common: &Common) -> Result<Outcome> {
 /// What became of a job.
 pub enum Made {
     /// Its results were written.
-    Written(Found),
+    Written(Box<Found>),
     /// They were there already.
     Earlier,
     /// Stopped by Ctrl-C; what was finished is kept.
@@ -135,7 +136,7 @@ impl Job {
         }
         let found = log.with_set(|set| finish::write(set, &header, &self.output))?;
         fs::remove_file(&part).with_context(|| format!("cannot remove {}", part.display()))?;
-        Ok(Made::Written(found))
+        Ok(Made::Written(Box::new(found)))
     }
 
     /// Studies the tiles that the log lacks.

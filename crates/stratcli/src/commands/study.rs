@@ -3,7 +3,7 @@
 mod file;
 
 use super::Outcome;
-use super::map::finish::{Found, Kind, Output};
+use super::map::finish::{self, Found, Kind, Output};
 use super::map::{Job, Made};
 use crate::cli::{Common, StudyFileArgs};
 use crate::output::{self, AtomicFile};
@@ -13,7 +13,7 @@ use anyhow::{Context, Result};
 use file::{SceneEntry, StudyFile};
 use serde::Serialize;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use stratcore::integrand::Integrand as _;
 use stratcore::map::{MapPlan, Region};
 use stratcore::trace::TracedScene;
@@ -90,23 +90,14 @@ fn job(study: &StudyFile, entry: &SceneEntry, folder: &Path, common: &Common) ->
 
 /// A finished map from its files, whenever it was made.
 fn read(output: &Output) -> Result<(Found, Scene)> {
-    let bytes = |path: &PathBuf| {
-        fs::read(path).with_context(|| {
-            format!(
-                "cannot read {}; delete {} to make it again",
-                path.display(),
-                output.path.display()
-            )
-        })
-    };
-    let json = output.beside("json");
-    let found: Found = serde_json::from_slice(&bytes(&json)?)
-        .with_context(|| format!("{} is no summary of a map; delete it", json.display()))?;
+    let found = finish::read(output)?;
+    let shown = output.path.display();
+    let summary = found.summary.clone();
+    let summary = summary.with_context(|| format!("{shown} has no summary; delete it"))?;
+    let png = output.beside("png");
+    let png = fs::read(&png).with_context(|| {
+        format!("cannot read {}; delete {shown} to make it again", png.display())
+    })?;
     let header = found.header.clone();
-    let summary = found
-        .summary
-        .clone()
-        .with_context(|| format!("{} is no summary of a map; delete it", json.display()))?;
-    let picture = data_uri(&bytes(&output.beside("png"))?);
-    Ok((found, Scene { header, summary, picture }))
+    Ok((found, Scene { header, summary, picture: data_uri(&png) }))
 }

@@ -87,7 +87,7 @@ fn calibrate(job: &Job, tiles: &[usize]) -> Result<Vec<f64>> {
         ends.push(sum);
     }
     let pixel = |i: u64| -> Option<[u32; 2]> {
-        let at = (u128::from(i.wrapping_mul(STEP)) * u128::from(total) >> 64) as u64;
+        let at = ((u128::from(i.wrapping_mul(STEP)) * u128::from(total)) >> 64) as u64;
         let place = ends.partition_point(|end| *end <= at);
         let region = tiling.tile(*tiles.get(place)?);
         let within = at - (ends[place] - region.n_pixels());

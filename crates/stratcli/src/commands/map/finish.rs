@@ -90,6 +90,24 @@ impl Output {
     }
 }
 
+/// What an earlier run found that wrote the results to `output`.
+pub fn read(output: &Output) -> Result<Found> {
+    let path = &output.path;
+    if output.kind == Kind::Tiles {
+        let header = Header::read_file(path)?;
+        let header = header.with_context(|| format!("{} is not there any more", path.display()))?;
+        return Ok(Found { files: vec![path.clone()], header, summary: None });
+    }
+    let json = output.beside("json");
+    let fault = || format!("{} is no summary of a map; delete it", json.display());
+    let mut found: Found =
+        serde_json::from_slice(&fs::read(&json).with_context(fault)?).with_context(fault)?;
+    for file in &mut found.files {
+        *file = path.with_file_name(&*file);
+    }
+    Ok(found)
+}
+
 /// What is known of a finished map.
 #[derive(Serialize, Deserialize)]
 pub struct Found {
@@ -196,7 +214,7 @@ fn write_picture(set: &TileSet, header: &Header, output: &Output, points: bool) 
     let json = output.beside("json");
     files.push(json.clone());
     let found = Found { files, header: header.clone(), summary: Some(summary) };
-    AtomicFile::create_locked(&json)?.commit(output::json(&found.without_folders())?.as_bytes())?;
+    AtomicFile::create_locked(&json)?.commit(output::json(found.without_folders())?.as_bytes())?;
     Ok(found)
 }
 
