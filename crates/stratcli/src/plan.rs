@@ -1,6 +1,6 @@
 //! From words as typed to the objects that a study works with.
 
-use crate::cli::{Common, NPolicy, StudyArgs};
+use crate::cli::{Common, NPolicy, StudiedChannel, StudyArgs};
 use anyhow::{Context, Result, bail, ensure};
 use serde::Serialize;
 use std::fmt;
@@ -8,6 +8,7 @@ use std::str::FromStr;
 use stratcore::StudyResult;
 use stratcore::counts::parse_counts;
 use stratcore::sampler::CountPolicy;
+use stratcore::scene::Channel;
 use stratcore::study::{SamplerChoice, StudyPlan};
 
 /// The plan of a study of an integrand with `dim` dimensions.
@@ -62,6 +63,16 @@ pub fn pixel(text: &str) -> Result<[u32; 2]> {
     pair(text, ',').with_context(|| {
         format!("--at {text}: not a pixel; write two whole numbers X,Y, counted from 0,0 at the top-left")
     })
+}
+
+/// `--channel`
+pub fn channel(word: StudiedChannel) -> Channel {
+    match word {
+        StudiedChannel::Luminance => Channel::Luminance,
+        StudiedChannel::R => Channel::R,
+        StudiedChannel::G => Channel::G,
+        StudiedChannel::B => Channel::B,
+    }
 }
 
 /// `--set name=value`

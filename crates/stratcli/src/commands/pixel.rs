@@ -5,7 +5,6 @@ use crate::cli::{Common, PixelArgs, StudiedChannel, TracerChoice};
 use crate::plan;
 use anyhow::{Result, ensure};
 use serde::Serialize;
-use stratcore::scene::Channel;
 use stratcore::trace::{TracedScene, Tracer};
 
 #[derive(Serialize)]
@@ -28,11 +27,12 @@ pub fn run(args: &PixelArgs, common: &Common) -> Result<Outcome> {
         width - 1,
         height - 1,
     );
-    let (channel, channel_name) = match args.channel {
-        StudiedChannel::Luminance => (Channel::Luminance, "luminance"),
-        StudiedChannel::R => (Channel::R, "r"),
-        StudiedChannel::G => (Channel::G, "g"),
-        StudiedChannel::B => (Channel::B, "b"),
+    let channel = plan::channel(args.channel);
+    let channel_name = match args.channel {
+        StudiedChannel::Luminance => "luminance",
+        StudiedChannel::R => "r",
+        StudiedChannel::G => "g",
+        StudiedChannel::B => "b",
     };
     let name = scene.name.clone();
     let tracer = match args.tracer {

@@ -1,10 +1,14 @@
 //! The experiment: pixels × samplers × N × M. The only module that owns threads.
 
+mod inside;
+mod live;
 mod picture;
 mod plan;
 mod result;
 
-pub use picture::{Image, render};
+pub use inside::{Inside, inside};
+pub use live::study_live;
+pub use picture::{Image, render, render_pixels};
 pub use plan::{SamplerChoice, StudyPlan};
 pub use result::{Row, SamplerResult, StudyResult};
 
@@ -129,57 +133,81 @@ fn study_sampler(
     counts_used: &[u64],
     control: Control<'_>,
 ) -> Result<SamplerResult, StudyError> {
-    let set = |n_samples| {
-        let sampler = choice.sampler.stream_id();
-        PointSet {
-            key: StreamKey { seed: plan.seed, pixel, sampler, n_samples, trial: 0 },
-            dim: integrand.dim(),
-            scramble: choice.scramble,
-            rectangular: plan.count_policy == CountPolicy::Rect,
-        }
-    };
     let mut rows = Vec::with_capacity(counts_used.len());
     for (&n, &n_used) in plan.counts.iter().zip(counts_used) {
-        let set = set(n_used);
-        set.key.check()?;
-        let (means, ns_per_sample) = row_means(integrand, choice, &set, plan.n_trials, control)?;
-        if let Some((trial, &mean)) = (0..).zip(&means).find(|(_, mean)| !mean.is_finite()) {
-            let sampler = choice.sampler.name();
-            return Err(StudyError::NonFinite { pixel, sampler, n: n_used, trial, mean });
-        }
-        let Spread { grand_mean, variance_of_mean, var_ln } = spread(&means);
-        rows.push(Row {
-            n,
-            n_used,
-            grand_mean,
-            variance_of_mean,
-            var_ln,
-            exact_variance: exact_variance(integrand, choice, n_used),
-            strata: set.rectangular.then(|| choice.sampler.strata(n_used, set.dim)).flatten(),
-            ns_per_sample,
-        });
+        let set = point_set(integrand, pixel, plan, choice, n_used)?;
+        let mut means = vec![0.0; plan.n_trials as usize];
+        let ns_per_sample = row_means(integrand, choice, &set, 0, &mut means, control)?;
+        rows.push(Row { ns_per_sample, ..row(integrand, choice, &set, n, &means)? });
     }
     Ok(summarise(integrand, choice, rows))
 }
 
-/// The M trial means of one row, in trial order.
+/// Names the sets of N points of a study; the trial is left open.
+fn point_set(
+    integrand: &dyn Integrand,
+    pixel: [u32; 2],
+    plan: &StudyPlan,
+    choice: SamplerChoice,
+    n_samples: u64,
+) -> Result<PointSet, StudyError> {
+    let sampler = choice.sampler.stream_id();
+    let key = StreamKey { seed: plan.seed, pixel, sampler, n_samples, trial: 0 };
+    key.check()?;
+    Ok(PointSet {
+        key,
+        dim: integrand.dim(),
+        scramble: choice.scramble,
+        rectangular: plan.count_policy == CountPolicy::Rect,
+    })
+}
+
+/// The row that these trial means make, without its time.
+fn row(
+    integrand: &dyn Integrand,
+    choice: SamplerChoice,
+    set: &PointSet,
+    n: u64,
+    means: &[f64],
+) -> Result<Row, StudyError> {
+    let n_used = set.key.n_samples;
+    if let Some((trial, &mean)) = (0..).zip(means).find(|(_, mean)| !mean.is_finite()) {
+        let (pixel, sampler) = (set.key.pixel, choice.sampler.name());
+        return Err(StudyError::NonFinite { pixel, sampler, n: n_used, trial, mean });
+    }
+    let Spread { grand_mean, variance_of_mean, var_ln } = spread(means);
+    Ok(Row {
+        n,
+        n_used,
+        grand_mean,
+        variance_of_mean,
+        var_ln,
+        exact_variance: exact_variance(integrand, choice, n_used),
+        strata: set.rectangular.then(|| choice.sampler.strata(n_used, set.dim)).flatten(),
+        ns_per_sample: None,
+    })
+}
+
+/// Overwrites `means` with those of trials `first_trial ..`, in order; gives the time per
+/// sample where there is a clock.
 fn row_means(
     integrand: &dyn Integrand,
     choice: SamplerChoice,
     set: &PointSet,
-    n_trials: u32,
+    first_trial: u32,
+    means: &mut [f64],
     control: Control<'_>,
-) -> Result<(Vec<f64>, Option<f64>), StudyError> {
+) -> Result<Option<f64>, StudyError> {
     /// Samples per task: some tens of microseconds of work at the least.
     const TASK: u64 = 1 << 14;
     let n = set.key.n_samples;
-    let mut means = vec![0.0; n_trials as usize];
+    let n_trials = means.len();
     let trials_per_task =
-        if control.clock.is_some() { means.len() } else { (TASK / n).max(1) as usize };
+        if control.clock.is_some() { n_trials } else { (TASK / n).max(1) as usize };
     let start = control.clock.map(|clock| clock());
     means.par_chunks_mut(trials_per_task).enumerate().for_each(|(task, chunk)| {
         if !control.cancel.load(Ordering::Relaxed) {
-            let first_trial = (task * trials_per_task) as u32;
+            let first_trial = first_trial + (task * trials_per_task) as u32;
             trial_means(integrand, choice.sampler, set, first_trial, chunk, control.cancel);
             (control.progress)(chunk.len() as u64 * n);
         }
@@ -187,10 +215,10 @@ fn row_means(
     if control.cancel.load(Ordering::Relaxed) {
         return Err(StudyError::Cancelled);
     }
-    let ns_per_sample = control.clock.zip(start).map(|(clock, start)| {
-        (clock() - start).as_nanos() as f64 / (f64::from(n_trials) * n as f64)
-    });
-    Ok((means, ns_per_sample))
+    Ok(control
+        .clock
+        .zip(start)
+        .map(|(clock, start)| (clock() - start).as_nanos() as f64 / (n_trials as f64 * n as f64)))
 }
 
 /// The closed form's variance, for the point sets that [`Integrand::exact_variance`] speaks of.

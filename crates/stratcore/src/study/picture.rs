@@ -32,19 +32,12 @@ pub fn render(
     seed: u64,
     control: Control<'_>,
 ) -> Result<Image, StudyError> {
-    if spp == 0 {
-        return Err(StudyError::EmptyPlan("samples"));
-    }
     let [width, height] = scene.scene().camera.resolution;
-    let key = |x, y| {
-        let sampler = Jittered.stream_id();
-        StreamKey { seed, pixel: [x, y], sampler, n_samples: spp, trial: 0 }
-    };
-    key(width.saturating_sub(1), height.saturating_sub(1)).check()?;
+    check(scene, spp, seed)?;
     let rows: Vec<Vec<Rgb>> = (0..height)
         .into_par_iter()
         .map(|y| {
-            let pixel = |x| mean_radiance(scene, key(x, y), control);
+            let pixel = |x| mean_radiance(scene, key(seed, [x, y], spp), control);
             (0..width).map(pixel).collect()
         })
         .collect();
@@ -52,6 +45,38 @@ pub fn render(
         return Err(StudyError::Cancelled);
     }
     Ok(Image { width, height, pixels: rows.concat() })
+}
+
+/// Some pixels of the picture that [`render`] makes, in the order asked for.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_pixels(
+    scene: &TracedScene,
+    pixels: &[[u32; 2]],
+    spp: u64,
+    seed: u64,
+    control: Control<'_>,
+) -> Result<Vec<Rgb>, StudyError> {
+    check(scene, spp, seed)?;
+    let radiance = |&pixel: &[u32; 2]| mean_radiance(scene, key(seed, pixel, spp), control);
+    let colours = pixels.par_iter().map(radiance).collect();
+    if control.cancel.load(Ordering::Relaxed) {
+        return Err(StudyError::Cancelled);
+    }
+    Ok(colours)
+}
+
+fn key(seed: u64, pixel: [u32; 2], spp: u64) -> StreamKey {
+    StreamKey { seed, pixel, sampler: Jittered.stream_id(), n_samples: spp, trial: 0 }
+}
+
+fn check(scene: &TracedScene, spp: u64, seed: u64) -> Result<(), StudyError> {
+    if spp == 0 {
+        return Err(StudyError::EmptyPlan("samples"));
+    }
+    let last = scene.scene().camera.resolution.map(|side| side.saturating_sub(1));
+    key(seed, last, spp).check()
 }
 
 /// Whatever is there when cancelled.
@@ -103,6 +128,9 @@ mod tests {
         assert_eq!((one.width, one.height, one.pixels.len()), (24, 16, 24 * 16));
         assert_eq!(one, picture(2));
         assert_ne!(one, render(&scene, 5, 8, Control::unwatched()).unwrap());
+        let some = [[23, 15], [3, 2]];
+        let pixels = render_pixels(&scene, &some, 5, 7, Control::unwatched()).unwrap();
+        assert_eq!(pixels, some.map(|[x, y]| one.pixels[(y * 24 + x) as usize]));
     }
 
     #[test]
