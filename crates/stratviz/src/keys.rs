@@ -7,6 +7,7 @@ use crate::panels::inside::step_count;
 use crate::panels::top::Wish;
 use crate::state::{InsideWords, Overlay, Page, PictureWords, State};
 use eframe::egui::{Context, Event, Key, Modifiers};
+use std::path::Path;
 
 /// What the keys pressed in this frame ask for.
 pub fn wishes(ctx: &Context, state: &State, model: &Model) -> Vec<Wish> {
@@ -39,8 +40,8 @@ fn is_arrow(key: Key) -> bool {
 
 fn dropped_files(ctx: &Context) -> Vec<Wish> {
     let dropped = ctx.input(|input| input.raw.dropped_files.clone());
-    let path = dropped.into_iter().find_map(|file| file.path);
-    path.map(|path| Wish::Do(Command::Open(path.display().to_string()))).into_iter().collect()
+    let open = |path: &Path| Wish::Do(Command::Open(path.display().to_string()));
+    dropped.first().map(|file| open(file.path())).into_iter().collect()
 }
 
 fn wish(key: Key, modifiers: Modifiers, state: &State, model: &Model) -> Option<Wish> {

@@ -6,7 +6,7 @@ use crate::model::Model;
 use crate::state::{InsideWords, State};
 use eframe::egui::{
     self, Color32, ColorImage, DragValue, Painter, Rect, Sense, Slider, Stroke, TextureHandle,
-    TextureOptions, Ui, WidgetInfo, WidgetType, pos2, vec2,
+    TextureOptions, Ui, WidgetInfo, pos2, vec2,
 };
 use std::sync::Arc;
 use stratcli::report::raster::stretched;
@@ -30,7 +30,7 @@ impl InsidePanel {
         let side = ui.available_height().min(ui.available_width() * 0.5);
         ui.horizontal_top(|ui| {
             let (response, painter) = ui.allocate_painter(vec2(side, side), Sense::hover());
-            response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, "Inside"));
+            response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, "Inside"));
             painter.rect_filled(response.rect, 0.0, ui.visuals().extreme_bg_color);
             if let Some(seen) = &model.seen {
                 self.paint(ui, &painter, response.rect.shrink(1.0), seen);

@@ -9,7 +9,7 @@ use crate::model::{Model, Progress};
 use crate::state::{Overlay, PictureWords, State};
 use eframe::egui::{
     self, Align2, Color32, FontId, Key, Painter, Pos2, Rect, Response, Sense, Stroke, StrokeKind,
-    Ui, Vec2, WidgetInfo, WidgetType, pos2, vec2,
+    Ui, Vec2, WidgetInfo, pos2, vec2,
 };
 
 /// From this many points per pixel on, the pixels are told apart by a grid.
@@ -125,7 +125,7 @@ impl PicturePanel {
 
     fn canvas(&mut self, ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
         let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::click_and_drag());
-        response.widget_info(|| WidgetInfo::labeled(WidgetType::Image, true, "Picture"));
+        response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, "Picture"));
         self.size = response.rect.size();
         let [width, height] = model.picture.size;
         if width == 0 || height == 0 {
