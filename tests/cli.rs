@@ -112,6 +112,7 @@ fn each_bad_input_is_one_clear_line() {
         (study(&["--samplers", "random,jitter"]), &["--samplers", "jitter", "random, jittered"]),
         (study(&["--samplers", ""]), &["--samplers", "random, jittered"]),
         (study(&["--expect", "1.5"]), &["--expect", "P:TOL"]),
+        (study(&["--expect", "halton:1.5:0.1"]), &["--expect", "random, jittered"]),
         (study(&["--threads", "0"]), &["--threads", "1"]),
         (study(&["--frobnicate"]), &["--frobnicate", "--help"]),
         (study(&["--seed", "-1"]), &["-1"]),
@@ -270,6 +271,11 @@ fn an_expectation_decides_the_exit_code() {
     assert!(failed.stderr.contains("expected p = 1 ± 0.17 under jittered"), "{}", failed.stderr);
     let random = stratcli(&["integrand", "ramp", "--samplers", "random", "--expect", "1:0.17"]);
     assert_eq!(random.code, Some(0));
+    assert_eq!(run("random:1:0.2").code, 0);
+    let failed = run("random:2:0.17");
+    assert_eq!(failed.code, 1);
+    assert!(failed.stderr.contains("under random, found p = 1.0"), "{}", failed.stderr);
+    assert!(failed.stderr.contains(" ± 0.0"), "{}", failed.stderr);
     let exact = stratcli(&["integrand", "constant", "--expect", "2:0.17"]);
     assert_eq!(exact.code, Some(1));
     assert!(exact.stderr.contains("no exponent"), "{}", exact.stderr);

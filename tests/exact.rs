@@ -3,7 +3,7 @@
 //! Seeds are fixed, so a test passes always or never. "False alarms" says how often a correct
 //! program would fail with fresh seeds.
 
-use stratcore::fit::{Fit, fit};
+use stratcore::fit::{Fit, paper_fit};
 use stratcore::integrand::{Integrand, by_name};
 use stratcore::study::{Control, Row, SamplerChoice, SamplerResult, StudyPlan, study};
 use stratcore::variance::Spread;
@@ -43,7 +43,7 @@ fn exact_fit(f: &dyn Integrand, sampler: &str, counts: &[u64]) -> Fit {
             (*n, Spread { grand_mean: 0.0, variance_of_mean, var_ln: 1.0 })
         })
         .collect();
-    fit(rows.iter().map(|(n, spread)| (*n, spread))).unwrap()
+    paper_fit(rows.iter().map(|(n, spread)| (*n, spread))).unwrap()
 }
 
 /// Mean and standard deviation.
@@ -69,8 +69,8 @@ impl Scores {
             return;
         }
         // Half the variance of a logarithm is what its mean lacks.
-        let log_ratio = (row.variance_of_mean / exact).ln() + 0.5 * row.var_ln;
-        let variance = log_ratio / row.var_ln.sqrt();
+        let log_ratio = (row.variance_of_mean / exact).ln() + 0.5 * row.var_ln();
+        let variance = log_ratio / row.var_ln().sqrt();
         let mean = (row.grand_mean - reference) / (exact / f64::from(n_trials)).sqrt();
         assert!(variance.abs() < 5.0, "{case}: {} {exact}, {variance} sd", row.variance_of_mean);
         assert!(mean.abs() < 5.0, "{case}: {} {reference}, {mean} sd", row.grand_mean);
@@ -193,7 +193,7 @@ fn measured_exponents_agree_within_their_standard_errors() {
         {
             let f = integrand(name, dim, params);
             let expected = exact_fit(&*f, "jittered", &counts).exponent;
-            let found = measure(&*f, "jittered", &counts, 200, 7).fit.unwrap();
+            let found = measure(&*f, "jittered", &counts, 200, 7).paper_fit.unwrap();
             let sd = (found.exponent - expected) / found.std_error;
             assert!(sd.abs() < 4.0, "{name} d = {dim}: {found:?}, {expected}");
         }
@@ -209,7 +209,7 @@ fn a_fractal_edge_has_the_exponent_of_its_dimension() {
     let result = measure(&*koch, "jittered", &powers(3..=81, 2), 200, 1996);
     let predicted = 2.0 - 4f64.ln() / 3f64.ln() / 2.0;
     assert_eq!(result.predicted, Some(predicted));
-    let fit = result.fit.unwrap();
+    let fit = result.paper_fit.unwrap();
     assert!(fit.std_error < 0.0085, "{fit:?}");
     assert!((fit.exponent - predicted).abs() < 0.03, "{fit:?}");
 }
@@ -225,7 +225,7 @@ fn an_aligned_edge_is_exact_at_even_k_and_fitted_at_odd_k() {
             assert_eq!(row.variance_of_mean == 0.0, k % 2 == 0, "d = {dim}, k = {k}: {row:?}");
         }
         assert!(!result.exact);
-        let fit = result.fit.unwrap();
+        let fit = result.paper_fit.unwrap();
         assert_eq!(fit.points, last.div_ceil(2) as usize);
         let sd = (fit.exponent - (1.0 + 1.0 / dim as f64)) / fit.std_error;
         assert!(sd.abs() < 4.0, "d = {dim}: {fit:?}");
@@ -241,7 +241,7 @@ fn the_reported_standard_error_is_the_scatter_over_seeds() {
     for name in ["gaussian", "half-space"] {
         let f = integrand(name, 2, &[]);
         let fits: Vec<Fit> = (0..500)
-            .map(|seed| measure(&*f, "jittered", &powers(1..=16, 2), 50, seed).fit.unwrap())
+            .map(|seed| measure(&*f, "jittered", &powers(1..=16, 2), 50, seed).paper_fit.unwrap())
             .collect();
         let exponents: Vec<f64> = fits.iter().map(|fit| fit.exponent).collect();
         let reported: Vec<f64> = fits.iter().map(|fit| fit.std_error).collect();
@@ -274,7 +274,7 @@ fn the_papers_form_factors() {
         let results: Vec<_> =
             (0..SEEDS).map(|seed| measure(&*f, "jittered", &counts, 50, seed)).collect();
         for (occluder, drop_first, reference, std_error, scatter, paper) in pair {
-            let fit_of = |r: &SamplerResult| if *drop_first { r.fit_without_first } else { r.fit };
+            let fit_of = |r: &SamplerResult| if *drop_first { r.paper_fit_without_first } else { r.paper_fit };
             let exponents: Vec<f64> = results.iter().map(|r| fit_of(r).unwrap().exponent).collect();
             let (mean, sd) = moments(&exponents);
             let combined = (sd * sd / SEEDS as f64 + std_error * std_error).sqrt();

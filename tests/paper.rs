@@ -7,7 +7,7 @@
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
-use stratcore::fit::fit;
+use stratcore::fit::paper_fit;
 use stratcore::integrand;
 use stratcore::scene::{self, Channel};
 use stratcore::study::{Control, SamplerChoice, StudyPlan, study};
@@ -20,7 +20,7 @@ fn exact_exponent(rows: impl Iterator<Item = (u64, f64)>) -> f64 {
     let rows: Vec<_> = rows
         .map(|(n, variance_of_mean)| (n, Spread { grand_mean: 0.0, variance_of_mean, var_ln: 1.0 }))
         .collect();
-    fit(rows.iter().map(|(n, spread)| (*n, spread))).unwrap().exponent
+    paper_fit(rows.iter().map(|(n, spread)| (*n, spread))).unwrap().exponent
 }
 
 /// Studies a pixel of `edges` with 200 trials: `random` must have p = 1 and `jittered` the
@@ -30,7 +30,7 @@ fn check_pixel(scene: &TracedScene, pixel: [u32; 2], expected: f64, class: Class
     let integrand = scene.pixel(pixel, Channel::Luminance);
     let result = study(&integrand, pixel, &plan, Control::unwatched()).unwrap();
     for (sampler, expected) in result.samplers.iter().zip([1.0, expected]) {
-        let fit = sampler.fit.unwrap();
+        let fit = sampler.paper_fit.unwrap();
         let z = (fit.exponent - expected) / fit.std_error;
         assert!(
             z.abs() < 4.0,
@@ -125,8 +125,8 @@ fn the_form_factor_converges_as_in_the_paper() {
             };
             let result = study(&*integrand, [0, 0], &plan, Control::unwatched()).unwrap();
             let jittered = &result.samplers[0];
-            exponents[0].push(jittered.fit.unwrap().exponent);
-            exponents[1].push(jittered.fit_without_first.unwrap().exponent);
+            exponents[0].push(jittered.paper_fit.unwrap().exponent);
+            exponents[1].push(jittered.paper_fit_without_first.unwrap().exponent);
             let last = jittered.rows.last().unwrap();
             estimates.push((last.grand_mean, last.variance_of_mean / f64::from(plan.n_trials)));
         }

@@ -1,5 +1,9 @@
 //! The command line as it is typed: words only; [`plan`](crate::plan) gives them meaning.
 
+mod trade;
+
+pub use trade::TradeArgs;
+
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -48,6 +52,8 @@ pub enum Command {
     Pixel(PixelArgs),
     /// The same study of an integrand whose mean is known
     Integrand(IntegrandArgs),
+    /// What error costs how much time: which sampler, how many samples, how long
+    Trade(TradeArgs),
     /// Names that can be typed, each with one line of help
     List(ListArgs),
     /// A completion script for a shell
@@ -185,15 +191,23 @@ pub struct StudyArgs {
     /// What to do with an N that a sampler cannot make
     #[arg(long, value_enum, value_name = "POLICY", default_value_t = NPolicy::Error)]
     pub n_policy: NPolicy,
-    /// Exit with 1 unless the exponent (of jittered, else of the last sampler) is p ± tol
-    #[arg(long, value_name = "P:TOL", allow_hyphen_values = true)]
+    /// Exit with 1 unless the exponent is P ± TOL: of the sampler named before it
+    /// (random:1:0.1), else of jittered, else of the last one
+    #[arg(long, value_name = "[SAMPLER:]P:TOL", allow_hyphen_values = true)]
     pub expect: Option<String>,
     /// Draw variance against N to a file that ends in .svg or .png
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// Measure the time per sample; rows then run one at a time, on one thread
-    #[arg(long)]
+    #[arg(long, conflicts_with = "until")]
     pub timing: bool,
+    /// Add trials until every 95 % interval is p ± W (p:W, such as p:0.02) or every variance is
+    /// known to a share (var:5%)
+    #[arg(long, value_name = "p:W|var:SHARE", conflicts_with = "trials")]
+    pub until: Option<String>,
+    /// Stop at so many trials even if not sure
+    #[arg(long, value_name = "M", default_value_t = 100_000, requires = "until")]
+    pub max_trials: u32,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result, bail};
 use exr::prelude::{
-    Encoding, Image, Layer, LayerAttributes, SpecificChannels, Text, Vec2, WritableImage,
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SpecificChannels, Text, Vec2, WritableImage,
 };
 use image::ImageEncoder;
 use image::codecs::png::PngEncoder;
@@ -71,6 +71,34 @@ fn exr([width, height]: [u32; 2], rgb: &[Rgb], comments: &str) -> Result<Vec<u8>
     let layer = Layer::new((width, height as usize), about, Encoding::SMALL_LOSSLESS, pixels);
     let mut file = Cursor::new(Vec::new());
     // One thread: the writer's own pool would ignore --threads.
+    Image::from_layer(layer)
+        .write()
+        .non_parallel()
+        .to_buffered(&mut file)
+        .context("cannot encode the EXR")?;
+    Ok(file.into_inner())
+}
+
+/// An OpenEXR file of named float channels, row-major from the top-left. `comments` go into
+/// the standard attribute of that name.
+pub fn exr_channels(
+    [width, height]: [u32; 2],
+    channels: Vec<(String, Vec<f32>)>,
+    comments: &str,
+) -> Result<Vec<u8>> {
+    let about = LayerAttributes {
+        software_name: Text::new_or_none(concat!("stratcli ", env!("CARGO_PKG_VERSION"))),
+        comments: Text::new_or_none(comments),
+        ..Default::default()
+    };
+    let channels = channels
+        .into_iter()
+        .map(|(name, values)| AnyChannel::new(name.as_str(), FlatSamples::F32(values)))
+        .collect();
+    let size = (width as usize, height as usize);
+    let layer =
+        Layer::new(size, about, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
+    let mut file = Cursor::new(Vec::new());
     Image::from_layer(layer)
         .write()
         .non_parallel()

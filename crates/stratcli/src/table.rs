@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use stratcore::StudyResult;
 use stratcore::fit::Fit;
-use stratcore::study::{Row, SamplerResult};
+use stratcore::study::{Row, SamplerResult, Stop, StopReason, Tightness};
 use stratcore::theory::Class;
 
 /// Which side of a column its cells stand at.
@@ -146,10 +146,16 @@ fn reading(sampler: &SamplerResult) -> String {
                 fit.n_min,
                 fit.n_max,
             );
-            if let Some(Fit { exponent, std_error, .. }) = sampler.fit_without_first {
-                let p = with_error(exponent, std_error);
-                let _ = writeln!(text, "  without the first point: p = {p}");
-            }
+            text += &misfit(fit, sampler);
+            let p = |fit: Option<Fit>| {
+                fit.map_or("none".to_owned(), |fit| with_error(fit.exponent, fit.std_error))
+            };
+            let _ = writeln!(
+                text,
+                "  unweighted, as in the paper: p = {}; without the first point {}",
+                p(sampler.paper_fit),
+                p(sampler.paper_fit_without_first)
+            );
         }
         (None, false) => text += "  no fit: it needs two different N with a variance\n",
         (None, true) => {}
@@ -160,6 +166,55 @@ fn reading(sampler: &SamplerResult) -> String {
     }
     if let Some(p) = sampler.predicted {
         let _ = writeln!(text, "  predicted: p = {}", short(p, 5));
+    }
+    text
+}
+
+/// Why a study stopped, after how many trials, and what it would have said after 50.
+pub fn stop(stop: &Stop, result: &StudyResult) -> String {
+    let (what, wanted) = match stop.until {
+        Tightness::Exponent(width) => ("p", width),
+        Tightness::Variance(share) => ("a variance, as a share of it,", share),
+    };
+    let reached = stop.half_width.map_or("none".to_owned(), |width| number(width, 2));
+    let why = match stop.reason {
+        StopReason::Sure => "sure",
+        StopReason::MaxTrials => "not sure: the most trials allowed",
+        StopReason::Cancelled => "interrupted",
+    };
+    let mut text = format!(
+        "\nstopped after {} trials, {why}; widest half interval of {what} {reached}, asked for {}\n",
+        result.trials,
+        short(wanted, 4)
+    );
+    if result.trials > 50 {
+        for early in &stop.after_50_trials {
+            let p = early.fit.map_or("none".to_owned(), |f| with_error(f.exponent, f.std_error));
+            let _ = writeln!(text, "  after 50 trials {} had p = {p}", early.name);
+        }
+    }
+    text
+}
+
+/// Whether one slope describes the rows, and what describes them better.
+fn misfit(fit: &Fit, sampler: &SamplerResult) -> String {
+    let dof = fit.points.saturating_sub(2);
+    let Some(probability) = sampler.misfit_p_value else { return String::new() };
+    let mut text = format!("  residuals: chi2 = {} for {dof} degrees of freedom", number(fit.chi2, 3));
+    text += match probability {
+        p if p < 0.01 => "; one slope does not describe the rows\n",
+        _ => "\n",
+    };
+    if let Some(two) = &sampler.two_terms {
+        let term = |i: usize| with_error(two.exponents[i], two.std_errors[i]);
+        let _ = writeln!(
+            text,
+            "  two terms: N^-p with p = {} and p = {}, equal at N = {}; chi2 = {}",
+            term(0),
+            term(1),
+            number(two.n_equal, 3),
+            number(two.chi2, 3),
+        );
     }
     text
 }

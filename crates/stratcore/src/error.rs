@@ -110,6 +110,22 @@ pub enum StudyError {
         /// The mean as computed.
         mean: f64,
     },
+    /// Trial means that differ, but whose variance is beyond the range of f64.
+    #[error(
+        "pixel {},{}: {sampler}, N = {n}: the variance of the mean, {variance:e}, is beyond the \
+         range of f64 (about 1e-308 to 1e308); scale the integrand or the scene's radiance",
+        pixel[0], pixel[1]
+    )]
+    VarianceOutOfRange {
+        /// Pixel under study.
+        pixel: [u32; 2],
+        /// Sampler's name.
+        sampler: &'static str,
+        /// Points in a trial.
+        n: u64,
+        /// The variance as far as it can be written down.
+        variance: f64,
+    },
     /// Something outside the range that random streams can address.
     #[error("{what} is {value}, beyond the {limit} that random streams can address")]
     Unaddressable {

@@ -1,89 +1,140 @@
-//! Variance of the mean, measured by repeating one estimate, and its interval.
+//! Variance of the mean, measured by repeating one estimate.
 //!
 //! * Input: `trial_means`, shape `[M]`: the M independent estimates of one integral at one N,
 //!   in the integrand's unit (linear radiance for a pixel).
 //! * Output: unbiased (divisor M - 1), in that unit squared.
 //! * Source: Mitchell 1996, "Experimental observations", second equation.
+//!
+//! How well the variance is known is in [`noise`](crate::noise).
 
-use statrs::distribution::{ChiSquared, ContinuousCDF};
+use serde::Serialize;
 
-/// The spread of M trial means.
+/// A variance and how well its logarithm is known: what a fit needs of one row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
     /// Mean of the trial means.
     pub grand_mean: f64,
     /// Mitchell's σ²: divisor M - 1. Exactly 0 where the trials differ by no more than rounding.
     pub variance_of_mean: f64,
-    /// Variance of ln s², from M and the trial means' kurtosis; what weights a fit.
+    /// Variance of ln s².
     pub var_ln: f64,
 }
 
-impl Spread {
-    /// Ends of the 95 % interval of the variance; equal to it where it is 0.
-    pub fn ci95(&self) -> [f64; 2] {
-        if self.variance_of_mean == 0.0 {
-            return [0.0; 2];
+/// Count, mean, variance and shape of a set of numbers: all that intervals need of it. Two of
+/// them [merge](Self::merge) into that of both sets.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Moments {
+    /// How many numbers.
+    pub count: u64,
+    /// Their mean.
+    pub mean: f64,
+    /// Unbiased, divisor `count - 1`; 0 where they differ by no more than rounding.
+    pub variance: f64,
+    /// g₁ = m₃/m₂^(3/2) of these numbers, divisor `count`; 0 without a variance.
+    pub skewness: f64,
+    /// g₂ = m₄/m₂² - 3 of these numbers, divisor `count`; 0 without a variance.
+    pub kurtosis: f64,
+}
+
+impl Moments {
+    /// The moments of at least two finite numbers.
+    ///
+    /// Mean and deviations are taken in two passes over values shifted by the first, so a mean
+    /// of 1e6 with a spread of 1e-3 loses nothing that the values have. Powers are taken in
+    /// units of a power of two near the largest deviation: exact, and none leaves the range of
+    /// numbers. The variance itself does where the spread is below 1e-154 or above 1e154:
+    /// [`is_out_of_range`](Self::is_out_of_range).
+    pub fn of(values: &[f64]) -> Self {
+        debug_assert!(values.len() >= 2);
+        let m = values.len() as f64;
+        let pivot = values[0];
+        let shift = neumaier_sum(values.iter().map(|x| x - pivot)) / m;
+        let mean = pivot + shift;
+        let deviation = |x: &f64| (x - pivot) - shift;
+        let largest = values.iter().map(|x| deviation(x).abs()).fold(0.0, f64::max);
+        // Subnormal deviations have no such unit; they stay as they are.
+        let unit = if largest >= f64::MIN_POSITIVE { largest.log2().floor().exp2() } else { 1.0 };
+        let power = |n| neumaier_sum(values.iter().map(|x| (deviation(x) / unit).powi(n)));
+        Self::from_sums(values.len() as u64, mean, unit, [power(2), power(3), power(4)])
+    }
+
+    /// From sums of the second, third and fourth powers of deviations in `unit`s.
+    fn from_sums(count: u64, mean: f64, unit: f64, [second, third, fourth]: [f64; 3]) -> Self {
+        let m = count as f64;
+        // A trial mean is a rounded number: equal trials may differ in their last bit or two.
+        let rounding = 2.0 * f64::EPSILON * mean.abs();
+        if second == 0.0 || (second / (m - 1.0)).sqrt() * unit <= rounding {
+            return Self { count, mean, ..Self::default() };
         }
-        interval(self.variance_of_mean, 2.0 / self.var_ln)
+        Self {
+            count,
+            mean,
+            variance: second / (m - 1.0) * unit * unit,
+            skewness: m.sqrt() * third / second.powf(1.5),
+            kurtosis: m * fourth / (second * second) - 3.0,
+        }
+    }
+
+    /// Whether the numbers differ, but by so little or so much that their variance is no
+    /// number of full precision.
+    pub fn is_out_of_range(&self) -> bool {
+        (self.skewness != 0.0 || self.kurtosis != 0.0) && !self.variance.is_normal()
+    }
+
+    /// The moments of both sets together (Chan, Golub & LeVeque 1979; Pébay 2008).
+    #[must_use]
+    pub fn merge(&self, other: &Self) -> Self {
+        let (a, b) = (self.count as f64, other.count as f64);
+        let n = a + b;
+        let delta = other.mean - self.mean;
+        let unit = delta.abs().max(self.variance.sqrt()).max(other.variance.sqrt());
+        let mean = self.mean + delta * (b / n);
+        let unit = if unit == 0.0 { 1.0 } else { unit };
+        let d = delta / unit;
+        // Sums of the second, third and fourth powers of deviations, in units.
+        let sums = |m: &Self| {
+            let squares = (m.variance / unit / unit) * (m.count as f64 - 1.0);
+            let second = squares / m.count as f64;
+            let third = m.skewness * second.powf(1.5) * m.count as f64;
+            [squares, third, (m.kurtosis + 3.0) * second * second * m.count as f64]
+        };
+        let ([a2, a3, a4], [b2, b3, b4]) = (sums(self), sums(other));
+        let squares = a2 + b2 + d * d * a * b / n;
+        let third =
+            a3 + b3 + d.powi(3) * a * b * (a - b) / (n * n) + 3.0 * d * (a * b2 - b * a2) / n;
+        let fourth = a4
+            + b4
+            + d.powi(4) * a * b * (a * a - a * b + b * b) / n.powi(3)
+            + 6.0 * d * d * (a * a * b2 + b * b * a2) / (n * n)
+            + 4.0 * d * (a * b3 - b * a3) / n;
+        Self::from_sums(self.count + other.count, mean, unit, [squares, third, fourth])
+    }
+
+    /// Fisher's G₂, the estimate of the population's excess kurtosis that is unbiased for
+    /// normal samples. None without a variance, and below four numbers.
+    pub fn excess_kurtosis(&self) -> Option<f64> {
+        let m = self.count as f64;
+        (self.variance > 0.0 && self.count >= 4)
+            .then(|| (m - 1.0) / ((m - 2.0) * (m - 3.0)) * ((m + 1.0) * self.kurtosis + 6.0))
+    }
+
+    /// How many of the numbers are the rarer of two values, where there are two values and no
+    /// more: exactly then kurtosis = skewness² - 2 (Pearson's bound).
+    pub fn rarer_of_two(&self) -> Option<u64> {
+        let square = self.skewness * self.skewness;
+        if self.variance <= 0.0 || (self.kurtosis + 2.0 - square).abs() > 1e-9 * (square + 1.0) {
+            return None;
+        }
+        // A share q has the skewness (1 - 2q)/√(q(1 - q)).
+        let share = 0.5 - 0.5 * (square / (square + 4.0)).sqrt();
+        Some(((share * self.count as f64).round() as u64).max(1))
     }
 }
 
-/// Measures the spread of at least two finite trial means.
-///
-/// The mean and the sum of squared deviations are taken in two passes over values shifted by
-/// the first, so a mean of 1e6 with a spread of 1e-3 loses nothing that the values have.
-///
-/// For a population of excess kurtosis κ, Var(s²)/σ⁴ = 2/(M - 1) + κ/M. With κ estimated from
-/// the trials (unbiased for normal ones), s² is taken for a scaled chi-square with as many
-/// degrees of freedom as give it that variance (Box 1953): for normal trials the familiar
-/// M - 1, fewer for heavy tails, more for a Bernoulli pixel.
-pub fn spread(trial_means: &[f64]) -> Spread {
-    let m = trial_means.len() as f64;
-    debug_assert!(trial_means.len() >= 2);
-    let pivot = trial_means[0];
-    let shift = neumaier_sum(trial_means.iter().map(|x| x - pivot)) / m;
-    let grand_mean = pivot + shift;
-    let deviation = |x: &f64| (x - pivot) - shift;
-    // Powers are taken in units of a power of two near the largest deviation: exact, and no
-    // fourth power leaves the range of numbers.
-    let largest = trial_means.iter().map(|x| deviation(x).abs()).fold(0.0, f64::max);
-    let unit = if largest > 0.0 { largest.log2().floor().exp2() } else { 1.0 };
-    let power = |n| neumaier_sum(trial_means.iter().map(|x| (deviation(x) / unit).powi(n)));
-    let squares = power(2);
-    let variance = squares / (m - 1.0) * unit * unit;
-    // A trial mean is a rounded number: equal trials may differ in their last bit or two.
-    let rounding = 2.0 * f64::EPSILON * grand_mean.abs();
-    if variance <= rounding * rounding {
-        let var_ln = var_ln_of_normal(m);
-        return Spread { grand_mean, variance_of_mean: 0.0, var_ln };
+impl Default for Moments {
+    fn default() -> Self {
+        Self { count: 0, mean: 0.0, variance: 0.0, skewness: 0.0, kurtosis: 0.0 }
     }
-    let var_ln = var_ln(m, excess_kurtosis(m, squares, power(4)));
-    Spread { grand_mean, variance_of_mean: variance, var_ln }
-}
-
-/// 95 % interval of a variance known by a chi-square of `dof` degrees of freedom.
-fn interval(variance: f64, dof: f64) -> [f64; 2] {
-    let Ok(chi) = ChiSquared::new(dof) else { return [f64::NAN; 2] };
-    [0.975, 0.025].map(|q| variance * dof / chi.inverse_cdf(q))
-}
-
-/// Fisher's G2, unbiased for normal samples; 0 below four values, where it does not exist.
-fn excess_kurtosis(m: f64, squares: f64, fourth: f64) -> f64 {
-    if m < 4.0 || squares == 0.0 {
-        return 0.0;
-    }
-    let g2 = m * fourth / (squares * squares) - 3.0;
-    (m - 1.0) / ((m - 2.0) * (m - 3.0)) * ((m + 1.0) * g2 + 6.0)
-}
-
-fn var_ln_of_normal(m: f64) -> f64 {
-    2.0 / (m - 1.0)
-}
-
-fn var_ln(m: f64, excess_kurtosis: f64) -> f64 {
-    // Two-point trials (excess -2) have the least variance there is; an estimate from few
-    // trials can fall below even that, and no interval should shrink to nothing for it.
-    (var_ln_of_normal(m) + excess_kurtosis / m).max(0.1 * var_ln_of_normal(m))
 }
 
 /// Sum with Neumaier's compensation (1974): the error does not grow with the number of terms.
@@ -101,10 +152,14 @@ pub fn neumaier_sum(values: impl IntoIterator<Item = f64>) -> f64 {
 mod tests {
     use super::*;
 
+    fn variance(values: &[f64]) -> f64 {
+        Moments::of(values).variance
+    }
+
     #[test]
     fn divisor_is_m_minus_one() {
-        assert_eq!(spread(&[1.0, 3.0]).variance_of_mean, 2.0);
-        assert_eq!(spread(&[1.0, 2.0, 3.0, 4.0]).variance_of_mean, 5.0 / 3.0);
+        assert_eq!(variance(&[1.0, 3.0]), 2.0);
+        assert_eq!(variance(&[1.0, 2.0, 3.0, 4.0]), 5.0 / 3.0);
     }
 
     #[test]
@@ -112,36 +167,67 @@ mod tests {
         // Values representable at 1e6: steps of 2^-10 ≈ 1e-3.
         let small: Vec<f64> = (0..50).map(|i| f64::from(i * i % 17) / 1024.0).collect();
         let bright: Vec<f64> = small.iter().map(|x| x + 1e6).collect();
-        let (a, b) = (spread(&small).variance_of_mean, spread(&bright).variance_of_mean);
+        let (a, b) = (variance(&small), variance(&bright));
         assert!((a / b - 1.0).abs() < 1e-13, "{a} {b}");
     }
 
     #[test]
     fn the_scale_of_the_values_changes_nothing_else() {
         let means: Vec<f64> = (0..50).map(|i| f64::from(i * i % 17)).collect();
-        let one = spread(&means);
+        let one = Moments::of(&means);
         for exponent in [-500, -260, -30, 30, 260, 500] {
             let unit = 2f64.powi(exponent);
-            let scaled = spread(&means.iter().map(|x| x * unit).collect::<Vec<_>>());
-            assert_eq!(scaled.var_ln, one.var_ln, "2^{exponent}");
-            assert_eq!(scaled.variance_of_mean, one.variance_of_mean * unit * unit);
+            let scaled = Moments::of(&means.iter().map(|x| x * unit).collect::<Vec<_>>());
+            assert_eq!((scaled.skewness, scaled.kurtosis), (one.skewness, one.kurtosis));
+            assert_eq!(scaled.variance, one.variance * unit * unit);
         }
     }
 
     #[test]
-    fn equal_trials_are_exact_even_in_the_last_bit() {
+    fn equal_numbers_are_exact_even_in_the_last_bit() {
         let x = 0.1f64;
-        assert_eq!(spread(&[x, x, x]).variance_of_mean, 0.0);
-        assert_eq!(spread(&[x, x.next_up(), x]).variance_of_mean, 0.0);
-        assert_eq!(spread(&[0.0, -0.0]).variance_of_mean, 0.0);
-        assert!(spread(&[0.0, 1e-160]).variance_of_mean > 0.0);
+        assert_eq!(variance(&[x, x, x]), 0.0);
+        assert_eq!(variance(&[x, x.next_up(), x]), 0.0);
+        assert_eq!(variance(&[0.0, -0.0]), 0.0);
+        assert!(variance(&[0.0, 1e-153]) > 0.0);
+        // Beyond the range of a variance the shape still tells that the numbers differ.
+        let tiny = Moments::of(&[0.0, 1e-200, 0.0]);
+        assert!(tiny.variance == 0.0 && tiny.is_out_of_range());
+        assert!(Moments::of(&[0.0, 1e160]).is_out_of_range());
+        assert!(!Moments::of(&[0.5, 0.5]).is_out_of_range());
     }
 
     #[test]
-    fn normal_interval_is_the_chi_square_one() {
-        // 49 degrees of freedom: quantiles 31.555 and 70.222 (tables).
-        let [lo, hi] = interval(1.0, 49.0);
-        assert!((lo - 49.0 / 70.222).abs() < 1e-4 && (hi - 49.0 / 31.555).abs() < 1e-4);
+    fn merging_gives_the_moments_of_both() {
+        let all: Vec<f64> = (0..60).map(|i| f64::from(i * i % 23) + 100.0).collect();
+        let whole = Moments::of(&all);
+        for cut in [2, 7, 30, 58] {
+            let parts = Moments::of(&all[..cut]).merge(&Moments::of(&all[cut..]));
+            assert_eq!(parts.count, 60);
+            for (a, b) in [
+                (parts.mean, whole.mean),
+                (parts.variance, whole.variance),
+                (parts.skewness, whole.skewness),
+                (parts.kurtosis, whole.kurtosis),
+            ] {
+                assert!((a - b).abs() < 1e-11 * b.abs().max(1.0), "cut {cut}: {a} {b}");
+            }
+        }
+        let flat = Moments::of(&[5.0, 5.0]).merge(&Moments::of(&[5.0, 5.0, 5.0]));
+        assert_eq!((flat.count, flat.mean, flat.variance), (5, 5.0, 0.0));
+    }
+
+    #[test]
+    fn two_values_are_recognised_and_counted() {
+        for rare in [1usize, 3, 25] {
+            let mut values = vec![0.25; 50];
+            values[..rare].fill(7.0);
+            assert_eq!(Moments::of(&values).rarer_of_two(), Some(rare as u64));
+        }
+        assert_eq!(Moments::of(&[0.0, 0.5, 1.0, 1.0, 0.0]).rarer_of_two(), None);
+        assert_eq!(Moments::of(&[1.0, 1.0]).rarer_of_two(), None);
+        let many: Vec<f64> = (0..1_000_000).map(|i| f64::from(u8::from(i < 3))).collect();
+        assert_eq!(Moments::of(&many).rarer_of_two(), Some(3));
     }
 
     #[test]

@@ -11,7 +11,7 @@ use crate::panels::inside::InsidePanel;
 use crate::panels::picture::PicturePanel;
 use crate::panels::study::StudyPanel;
 use crate::panels::top::{self, Wish};
-use crate::panels::{curve, help, theory};
+use crate::panels::{curve, help, theory, trade};
 use crate::state::{Overlay, Page, State};
 use crate::work::{Event, Work};
 use eframe::egui::{self, Context, Theme, Ui, ViewportCommand};
@@ -110,6 +110,7 @@ impl App {
             commands.extend(match state.page {
                 Page::Pixel => curve::ui(ui, state, model),
                 Page::Theory => theory::ui(ui, state, model),
+                Page::Trade => trade::ui(ui, state, model),
             });
         });
         match self.dialog.as_mut().and_then(|dialog| dialog.ui(ui.ctx())) {
@@ -194,6 +195,7 @@ impl App {
                 work.start_map(state, model);
             }
             Command::CancelMap => work.cancel_map(model),
+            Command::Trade => work.trade(state, model),
             Command::ShowPage(page) => {
                 state.page = page;
                 self.study_again();
@@ -247,7 +249,7 @@ impl App {
     /// Studies what the page shows, as far as it is not under way.
     fn study_again(&mut self) {
         match self.state.page {
-            Page::Pixel => self.work.study(&self.state, &mut self.model),
+            Page::Pixel | Page::Trade => self.work.study(&self.state, &mut self.model),
             Page::Theory => self.work.theory(&self.state, &mut self.model),
         }
     }
@@ -280,8 +282,9 @@ impl App {
             study.and_then(|s| s.result.as_ref()).map_or(state.study.trials, |r| r.trials)
         };
         let words = match (state.page, state.pixels.first()) {
+            (Page::Trade, Some(pixel)) => line::trade(state, *pixel),
             (Page::Pixel, Some(pixel)) => line::pixel(state, *pixel, made(model.studies.first())),
-            (Page::Pixel, None) => line::render(state),
+            (Page::Pixel | Page::Trade, None) => line::render(state),
             (Page::Theory, _) => {
                 line::integrand(&state.theory, &state.study, made(Some(&model.theory)))
             }

@@ -36,6 +36,8 @@ pub enum Command {
     StartMap,
     /// Stop doing so; what was finished stays.
     CancelMap,
+    /// Measure error against time in the first pixel.
+    Trade,
     /// Turn to a page.
     ShowPage(Page),
     /// Dark or light.

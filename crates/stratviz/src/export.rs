@@ -51,14 +51,14 @@ impl Export {
     /// The curves of the page that is shown.
     pub fn curves(state: &State, model: &Model) -> Result<Self> {
         let studies = match state.page {
-            Page::Pixel => &model.studies[..],
+            Page::Pixel | Page::Trade => &model.studies[..],
             Page::Theory => std::slice::from_ref(&model.theory),
         };
         let results: Vec<_> = studies.iter().filter_map(|s: &Study| s.result.clone()).collect();
         let Some(first) = results.first() else { bail!("there is no curve to save yet") };
         let [x, y] = first.pixel;
         let (subject, channel, title) = match (&model.loaded, state.page) {
-            (Some(loaded), Page::Pixel) => {
+            (Some(loaded), Page::Pixel | Page::Trade) => {
                 let name = loaded.traced.scene().name.clone();
                 let channel = state.study.channel.clone();
                 let title = format!("{name}, pixel {x},{y}, {channel}");

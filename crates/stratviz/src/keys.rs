@@ -95,6 +95,7 @@ fn wish(key: Key, modifiers: Modifiers, state: &State, model: &Model) -> Option<
         Key::F5 => Command::Reload,
         Key::Num1 => Command::ShowPage(Page::Pixel),
         Key::Num2 => Command::ShowPage(Page::Theory),
+        Key::Num3 => Command::ShowPage(Page::Trade),
         Key::D => Command::SetDark(!state.dark),
         Key::H | Key::F1 => Command::ShowHelp(true),
         _ => return None,

@@ -37,6 +37,16 @@ pub fn integrand(theory: &TheoryWords, study_words: &StudyWords, trials: u32) ->
     words
 }
 
+/// The words that trade error for time in a pixel, with the trials that `trade` makes.
+pub fn trade(state: &State, [x, y]: [u32; 2]) -> Vec<String> {
+    const TRIALS: u32 = 100;
+    let mut words = vec!["trade".to_owned(), state.scene.clone()];
+    option(&mut words, "--at", format!("{x},{y}"));
+    option(&mut words, "--targets", state.study.error.to_string());
+    study(&mut words, &state.study, TRIALS);
+    words
+}
+
 /// The words that render the picture as it is shown, to a file named after the scene.
 pub fn render(state: &State) -> Vec<String> {
     let mut words = vec!["render".to_owned(), state.scene.clone()];
@@ -97,12 +107,13 @@ fn parse(words: &[String]) -> Result<Cli, String> {
 /// The plan that the words of a study ask for in `dim` dimensions.
 pub fn study_plan(words: &[String], dim: usize) -> Result<StudyPlan, String> {
     let cli = parse(words)?;
-    let study = match &cli.command {
-        Command::Pixel(args) => &args.study,
-        Command::Integrand(args) => &args.study,
+    let plan = match &cli.command {
+        Command::Pixel(args) => plan::study_plan(&args.study, &cli.common, dim),
+        Command::Integrand(args) => plan::study_plan(&args.study, &cli.common, dim),
+        Command::Trade(args) => plan::trade_study_plan(args, &cli.common, dim),
         _ => return Err("these words are no study".to_owned()),
     };
-    plan::study_plan(study, &cli.common, dim).map_err(|error| format!("{error:#}"))
+    plan.map_err(|error| format!("{error:#}"))
 }
 
 /// The channel of this name; luminance for a name that is none.

@@ -5,6 +5,7 @@ use std::time::Duration;
 use stratcore::integrand::Regularity;
 use stratcore::scene::Rgb;
 use stratcore::study::{SamplerResult, StudyResult};
+use stratcore::trade::TradeResult;
 
 /// Results, and what became of the work on them.
 #[derive(Default)]
@@ -33,6 +34,8 @@ pub struct Model {
     pub theory: Study,
     /// What is known of its integrand.
     pub regularity: Option<Regularity>,
+    /// Error against time.
+    pub trade: Trade,
     /// What was done last, in words.
     pub notice: Option<Notice>,
     /// CPU time of the UI thread from the beginning of one frame to that of the next.
@@ -62,6 +65,17 @@ pub struct Notice {
     pub text: String,
     /// Whether it tells of a fault.
     pub is_fault: bool,
+}
+
+/// A trade of error against time, and what became of it.
+#[derive(Debug, Clone, Default)]
+pub struct Trade {
+    /// The pixel and what was found there.
+    pub result: Option<([u32; 2], TradeResult)>,
+    /// Whether it is under way.
+    pub running: bool,
+    /// Why there is none.
+    pub fault: Option<String>,
 }
 
 /// The study of one pixel or integrand.

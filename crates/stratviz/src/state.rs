@@ -37,6 +37,8 @@ pub enum Page {
     Pixel,
     /// Integrands with known answers.
     Theory,
+    /// Error against time in the first pixel.
+    Trade,
 }
 
 /// How a study is made, in the words of the command line.

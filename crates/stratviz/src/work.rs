@@ -2,11 +2,11 @@
 
 use crate::jobs::{
     InsideJob, Job, MapJob, PictureJob, PointsAsked, RightOfWay, SceneJob, Standing, StudyJob,
-    Subject, Wake, WatchJob, inside, map, picture, scene, study_job, watch,
+    Subject, TradeJob, Wake, WatchJob, inside, map, picture, scene, study_job, trade_job, watch,
 };
 use crate::export::{self, Export};
 use crate::line;
-use crate::model::{Model, Notice, Progress, Study};
+use crate::model::{Model, Notice, Progress, Study, Trade};
 use crate::state::State;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -25,6 +25,7 @@ pub struct Work {
     map: Option<MapJob>,
     inside: Option<InsideJob>,
     theory: Option<StudyJob>,
+    trade: Option<([u32; 2], TradeJob)>,
     saving: Option<Job<Result<String, String>>>,
     watch: Option<WatchJob>,
 }
@@ -56,6 +57,7 @@ impl Work {
             map: None,
             inside: None,
             theory: None,
+            trade: None,
             saving: None,
             watch: None,
         }
@@ -78,8 +80,9 @@ impl Work {
     /// Stops everything that belongs to the scene before.
     pub fn drop_scene(&mut self, model: &mut Model) {
         self.studies.clear();
-        (self.picture, self.map, self.inside) = (None, None, None);
+        (self.picture, self.map, self.inside, self.trade) = (None, None, None, None);
         (model.map_progress, model.seen) = (Progress::Idle, None);
+        model.trade = Trade::default();
     }
 
     /// Renders the picture from its beginning.
@@ -157,6 +160,19 @@ impl Work {
             study.stopped |= study.running;
             study.running = false;
         }
+    }
+
+    /// Trades error for time in the first pixel.
+    pub fn trade(&mut self, state: &State, model: &mut Model) {
+        let (Some(traced), Some(&pixel)) = (traced(model), state.pixels.first()) else { return };
+        // Times are to be measured while nothing else runs.
+        self.stop_studies(model);
+        model.trade = Trade { running: true, ..Trade::default() };
+        let words = line::trade(state, pixel);
+        let plan_in = move |dim| line::study_plan(&words, dim);
+        let subject = (pixel, line::channel(&state.study.channel));
+        let (error, wake) = (state.study.error, self.wake.clone());
+        self.trade = Some((pixel, trade_job(&traced, subject, plan_in, error, &self.way, wake)));
     }
 
     /// Looks into the first pixel.
@@ -260,6 +276,18 @@ impl Work {
             let is_fault = saved.is_err();
             let text = saved.unwrap_or_else(|fault| fault);
             model.notice = Some(Notice { text, is_fault });
+        }
+        if let Some((pixel, job)) = &mut self.trade {
+            for measured in job.poll() {
+                match measured {
+                    Ok(trade) => model.trade.result = Some((*pixel, trade)),
+                    Err(fault) => model.trade.fault = Some(fault),
+                }
+            }
+            model.trade.running = job.standing() == Standing::Running;
+            if job.standing() == Standing::Died {
+                model.trade.fault = Some(DIED.to_owned());
+            }
         }
         for (pixel, job) in &mut self.studies {
             if let Some(study) = model.studies.iter_mut().find(|study| study.pixel == *pixel) {

@@ -8,6 +8,7 @@ mod pixel;
 mod render;
 mod reproduce;
 mod study;
+mod trade;
 
 use crate::cli::{Cli, Command, Common};
 use crate::output;
@@ -47,6 +48,7 @@ pub fn run(cli: &Cli) -> Result<Outcome> {
         Command::Inspect(args) => inspect::run(args, common),
         Command::Integrand(args) => integrand::run(args, common),
         Command::Pixel(args) => pixel::run(args, common),
+        Command::Trade(args) => trade::run(args, common),
         Command::List(args) => list::run(args, common),
         Command::Completions(args) => completions::run(args, common),
     })

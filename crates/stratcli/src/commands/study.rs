@@ -13,7 +13,7 @@ use std::time::Instant;
 use stratcore::StudyResult;
 use stratcore::integrand::Integrand;
 use stratcore::sampler::CountPolicy;
-use stratcore::study::{Control, study};
+use stratcore::study::{Control, Stop, StopReason, study, study_until};
 
 /// A study as JSON.
 #[derive(Serialize)]
@@ -24,6 +24,8 @@ struct StudyDocument<'a, S> {
     #[serde(flatten)]
     result: &'a StudyResult,
     expect: Option<&'a Verdict>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stop: Option<&'a Stop>,
 }
 
 /// Studies an integrand. `subject` names it in JSON and `title` in text.
@@ -36,6 +38,9 @@ pub fn run(
     common: &Common,
 ) -> Result<Outcome> {
     let expectation = args.expect.as_deref().map(str::parse::<Expectation>).transpose()?;
+    if let Some(expectation) = &expectation {
+        expectation.check(&args.samplers)?;
+    }
     let plan = plan::study_plan(args, common, integrand.dim())?;
     let plot = args.plot.as_deref().map(PlotFile::create).transpose()?;
     let per_trial: u64 = plan
@@ -49,14 +54,21 @@ pub fn run(
     let clock = || start.elapsed();
     let control =
         Control { clock: if args.timing { Some(&clock) } else { None }, ..progress.control() };
-    let result = study(integrand, pixel, &plan, control)?;
+    let (result, stop) = match args.until.as_deref().map(plan::until).transpose()? {
+        Some(until) => {
+            let (result, stop) =
+                study_until(integrand, pixel, &plan, until, control, &mut |_| {})?;
+            (result, Some(stop))
+        }
+        None => (study(integrand, pixel, &plan, control)?, None),
+    };
     drop(progress);
 
     if let Some(plot) = plot {
         plot.commit(&chart::convergence(title, &result))?;
     }
     let verdict = match expectation {
-        Some(expectation) if result.complete => expectation.judge(&result),
+        Some(expectation) if result.complete => expectation.judge(&args.samplers, &result),
         _ => None,
     };
     if common.json {
@@ -65,9 +77,15 @@ pub fn run(
             n_policy: plan.count_policy,
             result: &result,
             expect: verdict.as_ref(),
+            stop: stop.as_ref(),
         })?;
     } else {
-        output::print(&table::study(title, &result))?;
+        let stopped = stop.as_ref().map_or(String::new(), |stop| table::stop(stop, &result));
+        output::print(&(table::study(title, &result) + &stopped))?;
+    }
+    if stop.is_some_and(|stop| stop.reason == StopReason::Cancelled) {
+        output::note(&format!("interrupted: {} trials were finished and kept", result.trials));
+        return Ok(Outcome::Interrupted);
     }
     if !result.complete {
         let (kept, planned) = (result.samplers.len(), plan.samplers.len());

@@ -162,7 +162,15 @@ fn curve(svg: &mut Svg, sampler: &SamplerResult, x: &Axis, y: &Axis) {
     const CAP: f64 = 2.5;
     let style = Style::of_sampler(sampler.name);
     let thin = Stroke::solid(style.colour, 0.9);
-    if let Some(fit) = &sampler.fit {
+    if let Some((fit, two)) = sampler.fit.zip(sampler.two_terms) {
+        const STEPS: u32 = 48;
+        let (from, to) = ((fit.n_min as f64).ln(), (fit.n_max as f64).ln());
+        let points: Vec<_> = (0..=STEPS)
+            .map(|i| (from + (to - from) * f64::from(i) / f64::from(STEPS)).exp())
+            .map(|n| [x.at(n), y.at(two.variance_at(n))])
+            .collect();
+        svg.path(&points, style.stroke(1.5));
+    } else if let Some(fit) = &sampler.fit {
         let end = |n: u64| [x.at(n as f64), y.at(fit.variance_at(n as f64))];
         svg.line(end(fit.n_min), end(fit.n_max), style.stroke(1.5));
     }

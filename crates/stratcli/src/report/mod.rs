@@ -4,12 +4,14 @@ pub mod axis;
 pub mod chart;
 pub mod gain;
 pub mod histogram;
+pub mod needed;
 pub mod page;
 pub mod picture;
 pub mod raster;
 pub mod sides;
 pub mod summary;
 pub mod svg;
+pub mod trade;
 
 use crate::output::AtomicFile;
 use anyhow::{Result, anyhow, bail};

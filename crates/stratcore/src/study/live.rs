@@ -81,7 +81,7 @@ fn result(
         trials,
         reference: integrand.reference(),
         samplers: per_sampler
-            .map(|(rows, choice)| summarise(integrand, *choice, rows.to_vec()))
+            .map(|(rows, choice)| summarise(integrand, *choice, rows.to_vec(), trials))
             .collect(),
         complete: true,
     })

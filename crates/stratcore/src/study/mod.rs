@@ -5,20 +5,25 @@ mod live;
 mod picture;
 mod plan;
 mod result;
+mod until;
 
 pub use inside::{Inside, inside};
 pub use live::study_live;
 pub use picture::{Image, render, render_pixels};
 pub use plan::{SamplerChoice, StudyPlan};
 pub use result::{Row, SamplerResult, StudyResult};
+pub use until::{EarlyFit, Stop, StopReason, Tightness, study_until};
+
+use result::Fits;
 
 use crate::error::StudyError;
 use crate::integrand::{Integrand, Regularity};
+use crate::noise::{Noise, pooled_noise};
 use crate::rng::StreamKey;
 use crate::sampler::{CountPolicy, PointSet, Scramble};
 use crate::theory::{Class, predicted_exponent};
 use crate::trial::trial_means;
-use crate::variance::{Spread, spread};
+use crate::variance::Moments;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -48,8 +53,16 @@ pub fn with_threads<R: Send>(threads: Option<usize>, work: impl FnOnce() -> R + 
     let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
     match builder.build() {
         Ok(pool) => pool.install(work),
-        // The system refused new threads: one is enough for the same result.
-        Err(_) => work(),
+        // The system refused new threads. Rayon's global pool would ask for them again, and
+        // panic; a pool of the calling thread alone asks for none.
+        Err(_) => {
+            let alone = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread();
+            match alone.build() {
+                Ok(pool) => pool.install(work),
+                // This thread belongs to a pool already: the work runs there.
+                Err(_) => work(),
+            }
+        }
     }
 }
 
@@ -140,11 +153,11 @@ fn study_sampler(
         let ns_per_sample = row_means(integrand, choice, &set, 0, &mut means, control)?;
         rows.push(Row { ns_per_sample, ..row(integrand, choice, &set, n, &means)? });
     }
-    Ok(summarise(integrand, choice, rows))
+    Ok(summarise(integrand, choice, rows, plan.n_trials))
 }
 
 /// Names the sets of N points of a study; the trial is left open.
-fn point_set(
+pub(crate) fn point_set(
     integrand: &dyn Integrand,
     pixel: [u32; 2],
     plan: &StudyPlan,
@@ -175,13 +188,20 @@ fn row(
         let (pixel, sampler) = (set.key.pixel, choice.sampler.name());
         return Err(StudyError::NonFinite { pixel, sampler, n: n_used, trial, mean });
     }
-    let Spread { grand_mean, variance_of_mean, var_ln } = spread(means);
+    let moments = Moments::of(means);
+    if moments.is_out_of_range() {
+        let (pixel, sampler) = (set.key.pixel, choice.sampler.name());
+        let variance = moments.variance;
+        return Err(StudyError::VarianceOutOfRange { pixel, sampler, n: n_used, variance });
+    }
     Ok(Row {
         n,
         n_used,
-        grand_mean,
-        variance_of_mean,
-        var_ln,
+        grand_mean: moments.mean,
+        variance_of_mean: moments.variance,
+        skewness: moments.skewness,
+        kurtosis: moments.kurtosis,
+        noise: Noise::None,
         exact_variance: exact_variance(integrand, choice, n_used),
         strata: set.rectangular.then(|| choice.sampler.strata(n_used, set.dim)).flatten(),
         ns_per_sample: None,
@@ -228,22 +248,32 @@ fn exact_variance(integrand: &dyn Integrand, choice: SamplerChoice, n: u64) -> O
     plain.then(|| integrand.exact_variance(choice.sampler.name(), n)).flatten()
 }
 
-fn summarise(integrand: &dyn Integrand, choice: SamplerChoice, rows: Vec<Row>) -> SamplerResult {
+/// What the rows of one sampler, each of `trials` trials, say together.
+fn summarise(
+    integrand: &dyn Integrand,
+    choice: SamplerChoice,
+    mut rows: Vec<Row>,
+    trials: u32,
+) -> SamplerResult {
     let name = choice.sampler.name();
     let dim = integrand.dim();
-    let fit = result::fit_rows(&rows, 0);
+    let moments: Vec<_> = rows.iter().map(|row| (row.n_used, row.moments(trials))).collect();
+    for (row, noise) in rows.iter_mut().zip(pooled_noise(&moments)) {
+        row.noise = noise;
+    }
+    let fits = Fits::of(&rows);
     let exact = rows.iter().all(|row| row.variance_of_mean == 0.0);
     // A torus shift tears the strata apart: what is known of a sampler holds for it unscrambled.
     let plain = choice.scramble == Scramble::None;
     let reads_class = name == "jittered" && plain;
-    let class = match (&fit, exact) {
+    let class = match (&fits.paper, exact) {
         (_, true) => Some(Class::Exact),
         (Some(fit), _) if reads_class => Some(Class::of_exponent(fit.exponent, dim)),
         _ => None,
     };
     let class_is_sure = exact
         || reads_class
-            && fit.is_some_and(|fit| {
+            && fits.paper.is_some_and(|fit| {
                 Class::of_exponent(fit.ci95[0], dim) == Class::of_exponent(fit.ci95[1], dim)
             });
     let predicted = match integrand.regularity() {
@@ -255,8 +285,12 @@ fn summarise(integrand: &dyn Integrand, choice: SamplerChoice, rows: Vec<Row>) -
     SamplerResult {
         name,
         scramble: choice.scramble,
-        fit,
-        fit_without_first: result::fit_rows(&rows, 1),
+        fit: fits.weighted,
+        misfit_p_value: fits.weighted.and_then(|fit| fit.p_value()),
+        local_slopes: fits.local_slopes,
+        two_terms: fits.two_terms,
+        paper_fit: fits.paper,
+        paper_fit_without_first: fits.paper_without_first,
         exact,
         class,
         class_is_sure,

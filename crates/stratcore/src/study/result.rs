@@ -1,10 +1,13 @@
 //! What was measured.
 
-use crate::fit::{Fit, fit};
+use crate::fit::{
+    Fit, LocalSlope, TwoTerms, WeightedRow, local_slopes, paper_fit, two_terms, weighted_fit,
+};
 use crate::integrand::Reference;
+use crate::noise::Noise;
 use crate::sampler::Scramble;
 use crate::theory::Class;
-use crate::variance::Spread;
+use crate::variance::{Moments, Spread};
 use serde::{Serialize, Serializer};
 
 /// The convergence of one pixel, or of one integrand, under each sampler of a plan.
@@ -28,6 +31,19 @@ pub struct StudyResult {
     pub complete: bool,
 }
 
+impl StudyResult {
+    /// The same in the paper's terms: each sampler's [`fit`](SamplerResult::fit) is its
+    /// [`paper_fit`](SamplerResult::paper_fit).
+    #[must_use]
+    pub fn with_paper_fits(mut self) -> Self {
+        for sampler in &mut self.samplers {
+            sampler.fit = sampler.paper_fit;
+            sampler.two_terms = None;
+        }
+        self
+    }
+}
+
 /// The convergence under one sampler.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SamplerResult {
@@ -37,10 +53,20 @@ pub struct SamplerResult {
     pub scramble: Scramble,
     /// One row per sample count of the plan.
     pub rows: Vec<Row>,
-    /// The paper's fit through the rows that have a variance; none when fewer than two have.
+    /// Generalised least squares through the rows that have a variance, each with the weight
+    /// that its noise gives it; none when fewer than two have.
     pub fit: Option<Fit>,
-    /// The same without the row of smallest N.
-    pub fit_without_first: Option<Fit>,
+    /// How often one slope would leave residuals as large as the fit's by chance: below some
+    /// 0.01 no single slope describes the rows.
+    pub misfit_p_value: Option<f64>,
+    /// Exponents between neighbouring N.
+    pub local_slopes: Vec<LocalSlope>,
+    /// Two power laws, where one does not describe the rows and two do better.
+    pub two_terms: Option<TwoTerms>,
+    /// The paper's unweighted fit through the same rows. Classes are read from it.
+    pub paper_fit: Option<Fit>,
+    /// The paper's fit without the row of smallest N.
+    pub paper_fit_without_first: Option<Fit>,
     /// Every variance is zero: each estimate was the same number.
     pub exact: bool,
     /// Kind of pixel, read from the exponent under `jittered`; none for other samplers.
@@ -50,6 +76,13 @@ pub struct SamplerResult {
     /// The exponent that theory predicts: from the integrand's known regularity, otherwise
     /// from the class.
     pub predicted: Option<f64>,
+}
+
+impl SamplerResult {
+    /// What the weighted fit is made of: the rows with a variance, in the order of N.
+    pub fn weighted_rows(&self) -> Vec<WeightedRow> {
+        weighted_rows(&distinct(&self.rows))
+    }
 }
 
 /// The spread of M trial means at one N.
@@ -63,8 +96,13 @@ pub struct Row {
     pub grand_mean: f64,
     /// Mitchell's σ², divisor M - 1.
     pub variance_of_mean: f64,
-    /// Variance of ln s².
-    pub var_ln: f64,
+    /// g₁ of the trial means; 0 without a variance.
+    pub skewness: f64,
+    /// g₂ of the trial means (0 for normal ones); 0 without a variance.
+    pub kurtosis: f64,
+    /// How s² scatters about the true variance, from the shape of this row's trial means and
+    /// those of the sampler's other rows.
+    pub noise: Noise,
     /// The variance that a closed form gives at this N, where the integrand has one.
     pub exact_variance: Option<f64>,
     /// Strata along each axis, where rectangular ones were allowed and the sampler has strata.
@@ -74,15 +112,26 @@ pub struct Row {
 }
 
 impl Row {
-    /// The row's spread, as a fit wants it.
+    /// Variance of ln s²; 0 where s² is.
+    pub fn var_ln(&self) -> f64 {
+        self.noise.var_ln()
+    }
+
+    /// The row's spread, as the paper's fit wants it.
     pub fn spread(&self) -> Spread {
-        let Self { grand_mean, variance_of_mean, var_ln, .. } = *self;
-        Spread { grand_mean, variance_of_mean, var_ln }
+        let Self { grand_mean, variance_of_mean, .. } = *self;
+        Spread { grand_mean, variance_of_mean, var_ln: self.var_ln() }
+    }
+
+    /// The moments of its trial means, which were so many.
+    pub fn moments(&self, trials: u32) -> Moments {
+        let Self { grand_mean: mean, variance_of_mean: variance, skewness, kurtosis, .. } = *self;
+        Moments { count: trials.into(), mean, variance, skewness, kurtosis }
     }
 
     /// Ends of the variance's 95 % interval.
     pub fn ci95(&self) -> [f64; 2] {
-        self.spread().ci95()
+        self.noise.ci95(self.variance_of_mean)
     }
 }
 
@@ -97,12 +146,15 @@ impl Serialize for Row {
             variance_of_mean: f64,
             lo: f64,
             hi: f64,
-            var_ln: f64,
+            var_ln: Option<f64>,
+            skewness: Option<f64>,
+            kurtosis: Option<f64>,
             exact_variance: Option<f64>,
             strata: Option<&'a [u64]>,
             ns_per_sample: Option<f64>,
         }
         let [lo, hi] = self.ci95();
+        let varies = self.variance_of_mean > 0.0;
         Document {
             n: self.n,
             n_used: self.n_used,
@@ -110,7 +162,9 @@ impl Serialize for Row {
             variance_of_mean: self.variance_of_mean,
             lo,
             hi,
-            var_ln: self.var_ln,
+            var_ln: varies.then(|| self.var_ln()),
+            skewness: varies.then_some(self.skewness),
+            kurtosis: varies.then_some(self.kurtosis),
             exact_variance: self.exact_variance,
             strata: self.strata.as_deref(),
             ns_per_sample: self.ns_per_sample,
@@ -119,11 +173,45 @@ impl Serialize for Row {
     }
 }
 
-/// The paper's fit through rows with a variance, leaving out the `skip` smallest N. Counts that
-/// were snapped to the same N drew the same points: they are one row.
-pub(super) fn fit_rows(rows: &[Row], skip: usize) -> Option<Fit> {
-    let mut spreads: Vec<_> = rows.iter().map(|row| (row.n_used, row.spread())).collect();
-    spreads.sort_by_key(|(n, _)| *n);
-    spreads.dedup_by_key(|(n, _)| *n);
-    fit(spreads.iter().skip(skip).map(|(n, spread)| (*n, spread)))
+/// Every curve through one sampler's rows.
+pub(super) struct Fits {
+    pub weighted: Option<Fit>,
+    pub local_slopes: Vec<LocalSlope>,
+    pub two_terms: Option<TwoTerms>,
+    pub paper: Option<Fit>,
+    pub paper_without_first: Option<Fit>,
+}
+
+impl Fits {
+    /// Of the rows of one sampler.
+    pub fn of(rows: &[Row]) -> Self {
+        let rows = distinct(rows);
+        let spreads: Vec<_> = rows.iter().map(|row| (row.n_used, row.spread())).collect();
+        let paper = |skip| paper_fit(spreads.iter().skip(skip).map(|(n, spread)| (*n, spread)));
+        let weighted_rows = weighted_rows(&rows);
+        let weighted = weighted_fit(&weighted_rows);
+        Self {
+            weighted,
+            local_slopes: local_slopes(&weighted_rows),
+            two_terms: weighted.and_then(|single| two_terms(&weighted_rows, &single)),
+            paper: paper(0),
+            paper_without_first: paper(1),
+        }
+    }
+}
+
+/// In the order of N. Counts that were snapped to the same N drew the same points: they are
+/// one row.
+fn distinct(rows: &[Row]) -> Vec<&Row> {
+    let mut rows: Vec<&Row> = rows.iter().collect();
+    rows.sort_by_key(|row| row.n_used);
+    rows.dedup_by_key(|row| row.n_used);
+    rows
+}
+
+fn weighted_rows(rows: &[&Row]) -> Vec<WeightedRow> {
+    let varying = rows.iter().filter(|row| row.variance_of_mean > 0.0);
+    let row =
+        |row: &&Row| WeightedRow { n: row.n_used, variance: row.variance_of_mean, noise: row.noise };
+    varying.map(row).collect()
 }

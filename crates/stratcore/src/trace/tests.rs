@@ -306,7 +306,7 @@ fn an_upright_edge_of_the_target_has_its_exact_variance() {
         };
         let set = PointSet { key, dim: 2, scramble: Scramble::None, rectangular: false };
         crate::trial::trial_means(&pixel, &Jittered, &set, 0, &mut means, &AtomicBool::new(false));
-        let variance = crate::variance::spread(&means).variance_of_mean;
+        let variance = crate::variance::Moments::of(&means).variance;
         let q = (0.3 * k as f64).fract();
         let exact = q * (1.0 - q) * k as f64 / (n * n) as f64 * (0.8 - 0.1f64).powi(2);
         let ratio = variance / exact;

@@ -6,6 +6,7 @@ pub mod map;
 pub mod picture;
 pub mod scene;
 pub mod study;
+pub mod trade;
 pub mod watch;
 
 pub use inside::{InsideJob, PointsAsked, Seen};
@@ -13,6 +14,7 @@ pub use map::{MapJob, MapUpdate, Studied};
 pub use picture::{Patch, PictureJob};
 pub use scene::{Loaded, SceneJob};
 pub use study::{StudyJob, Subject, study_job};
+pub use trade::{TradeJob, trade_job};
 pub use watch::WatchJob;
 
 use std::sync::Arc;

@@ -43,8 +43,8 @@ impl Dialog {
     /// The curves, to which file?
     pub fn save_curve(state: &State) -> Self {
         let answer = match (state.page, state.pixels.first()) {
-            (Page::Pixel, Some([x, y])) => format!("{}-{x}-{y}.csv", stem(state)),
-            (Page::Pixel, None) => format!("{}.csv", stem(state)),
+            (Page::Pixel | Page::Trade, Some([x, y])) => format!("{}-{x}-{y}.csv", stem(state)),
+            (Page::Pixel | Page::Trade, None) => format!("{}.csv", stem(state)),
             (Page::Theory, _) => format!("{}.csv", state.theory.name),
         };
         Self { question: Question::SaveCurve, answer }

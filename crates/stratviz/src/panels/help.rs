@@ -17,7 +17,7 @@ const KEYS: &[(&str, &str)] = &[
     ("C, Ctrl+V", "copy as command, open a copied command"),
     ("Ctrl+O, F5", "open a scene, load it again"),
     ("Ctrl+S, Ctrl+E", "save the picture, the curve"),
-    ("1, 2", "pixel page, theory page"),
+    ("1, 2, 3", "pixel page, theory page, trade page"),
     ("D, H, Esc", "dark or light, this help, close"),
 ];
 

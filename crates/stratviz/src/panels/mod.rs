@@ -13,3 +13,4 @@ pub mod study;
 pub mod texture;
 pub mod theory;
 pub mod top;
+pub mod trade;

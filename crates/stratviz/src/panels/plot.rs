@@ -145,7 +145,7 @@ fn reference_slopes(plot: &mut PlotUi<'_>, curves: &[Curve<'_>], dim: usize, col
 }
 
 /// Decades, and 2 … 9 times them where there is room.
-fn decades(input: GridInput) -> Vec<GridMark> {
+pub fn decades(input: GridInput) -> Vec<GridMark> {
     let (low, high) = input.bounds;
     let mut marks = Vec::new();
     if !(high - low).is_finite() || high - low > 400.0 {
@@ -162,7 +162,7 @@ fn decades(input: GridInput) -> Vec<GridMark> {
 }
 
 /// A power of ten as people write it; 2 and 5 times it where less than a decade is seen.
-fn power(mark: GridMark, span: f64) -> String {
+pub fn power(mark: GridMark, span: f64) -> String {
     let decade = mark.value.round();
     let value = 10f64.powf(mark.value);
     let is_decade = (mark.value - decade).abs() < 1e-6;

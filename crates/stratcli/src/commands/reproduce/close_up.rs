@@ -30,7 +30,7 @@ pub fn draw(
         let Some((record, fits, candidates)) = tally.close_up(class, paper) else { continue };
         let pixel = record.pixel;
         let integrand = scene.pixel(pixel, Channel::Luminance);
-        studies.push(study(&integrand, pixel, plan, Control::unwatched())?);
+        studies.push(study(&integrand, pixel, plan, Control::unwatched())?.with_paper_fits());
         report.summary.close_ups.push(CloseUp {
             class,
             pixel,

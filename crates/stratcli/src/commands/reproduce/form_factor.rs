@@ -4,7 +4,7 @@ use super::tally::{mean_and_deviation, named};
 use crate::report::summary::{FormFactor, FormFactorCase};
 use anyhow::{Context, Result};
 use stratcore::StudyResult;
-use stratcore::fit::fit;
+use stratcore::fit::paper_fit;
 use stratcore::integrand::{self, Integrand};
 use stratcore::study::{Control, SamplerChoice, StudyPlan, study};
 use stratcore::variance::Spread;
@@ -51,8 +51,8 @@ pub fn measure(seed: u64, repeats: u32, control: Control<'_>) -> Result<FormFact
             let result = study(&*integrand, [0, 0], &plan, control)?;
             let jittered = named(&result, "jittered").context("the plan has no jittered")?;
             predicted = jittered.predicted;
-            for (list, fit) in exponents.iter_mut().zip([jittered.fit, jittered.fit_without_first])
-            {
+            let fits = [jittered.paper_fit, jittered.paper_fit_without_first];
+            for (list, fit) in exponents.iter_mut().zip(fits) {
                 list.extend(fit.map(|fit| fit.exponent));
             }
             if occluder.is_none() {
@@ -97,12 +97,12 @@ fn exact_exponent(integrand: &dyn Integrand, counts: &[u64], skip: usize) -> Opt
             Some((n, Spread { grand_mean: 0.0, variance_of_mean, var_ln: 1.0 }))
         })
         .collect::<Option<_>>()?;
-    Some(fit(rows.iter().map(|(n, spread)| (*n, spread)))?.exponent)
+    Some(paper_fit(rows.iter().map(|(n, spread)| (*n, spread)))?.exponent)
 }
 
 /// One run of both samplers, for a chart.
 pub fn one_run(seed: u64, occluder: Option<f64>, control: Control<'_>) -> Result<StudyResult> {
     let samplers = StudyPlan::paper().samplers;
     let plan = StudyPlan { samplers, ..plan(seed)? };
-    Ok(study(&*geometry(occluder)?, [0, 0], &plan, control)?)
+    Ok(study(&*geometry(occluder)?, [0, 0], &plan, control)?.with_paper_fits())
 }

@@ -158,7 +158,7 @@ pub fn measure_suspects_again(
         let row = |name| named(&study, name).and_then(|s| s.rows.first());
         let (Some(random), Some(jittered)) = (row("random"), row("jittered")) else { continue };
         let ln_ratio = (jittered.variance_of_mean / random.variance_of_mean).ln();
-        let error = (jittered.var_ln + random.var_ln).sqrt();
+        let error = (jittered.var_ln() + random.var_ln()).sqrt();
         again.push(Suspect {
             pixel: suspect.pixel,
             n: suspect.n,

@@ -89,7 +89,7 @@ impl Tally {
             return;
         };
         let rows = self.counts.len();
-        let full = |s: &SamplerResult| s.fit.filter(|fit| fit.points == rows);
+        let full = |s: &SamplerResult| s.paper_fit.filter(|fit| fit.points == rows);
         let pair = |fit: Fit| [fit.exponent, fit.std_error];
         let contrast = jittered.rows[0].variance_of_mean * jittered.rows[0].n_used as f64;
         let fits = full(random).zip(full(jittered)).map(|(r, j)| Fits {
@@ -101,14 +101,14 @@ impl Tally {
         self.records.push(Record {
             pixel: study.pixel,
             class: if exact { Class::Exact } else { jittered.class.unwrap_or(Class::Complex) },
-            clear: jittered.class_is_sure && jittered.fit.is_none_or(|fit| is_straight(&fit)),
+            clear: jittered.class_is_sure && jittered.paper_fit.is_none_or(|fit| is_straight(&fit)),
             fits,
         });
         for (i, (r, j)) in random.rows.iter().zip(&jittered.rows).enumerate() {
             let ln_ratio = (j.variance_of_mean / r.variance_of_mean).ln();
             self.ln_gains.push(if ln_ratio.is_finite() { -ln_ratio as f32 } else { f32::NAN });
             if ln_ratio.is_finite() {
-                let z = ln_ratio / (r.var_ln + j.var_ln).sqrt();
+                let z = ln_ratio / (r.var_ln() + j.var_ln()).sqrt();
                 self.compare(i, study.pixel, ln_ratio, z);
             }
         }
