@@ -19,8 +19,9 @@ pub struct Choice {
     pub reach: Vec<Reach>,
     /// The fastest way: an index into `reach`; none where no sampler reaches the target.
     pub best: Option<usize>,
-    /// Costs of an evaluation at which the faster of two samplers changes.
-    pub crossovers: Vec<Crossover>,
+    /// The fastest sampler by the cost of an evaluation, where points are made apart from it
+    /// and cost what [`Reach::generation_ns`] says; from a cost of 0 upwards.
+    pub by_eval_cost: Vec<Fastest>,
     /// The best way tried with fresh randomness.
     pub confirmation: Option<Confirmation>,
 }
@@ -47,16 +48,14 @@ pub struct Reach {
     pub generation_ns: Option<f64>,
 }
 
-/// Where the faster way changes: with dearer evaluations the sampler that needs fewer samples
-/// wins, whatever its points cost.
+/// A sampler that is the fastest way from some cost of an evaluation on, up to the next one's:
+/// the dearer evaluations are, the fewer samples it needs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Crossover {
-    /// Faster below, by its index in `reach`.
-    pub below: usize,
-    /// Faster above.
-    pub above: usize,
+pub struct Fastest {
     /// Nanoseconds of one evaluation.
-    pub ns_per_evaluation: f64,
+    pub from_ns: f64,
+    /// Its index in `reach`.
+    pub sampler: usize,
 }
 
 /// A choice tried again.
@@ -104,8 +103,8 @@ pub(super) fn choose(
     let best = (0..reach.len())
         .filter(|i| time(i).is_finite())
         .min_by(|a, b| time(a).total_cmp(&time(b)));
-    let crossovers = crossovers(&reach);
-    Choice { target, error, reach, best, crossovers, confirmation: None }
+    let by_eval_cost = by_eval_cost(&reach);
+    Choice { target, error, reach, best, by_eval_cost, confirmation: None }
 }
 
 fn reach(curve: &SamplerTrade, error: f64, admitted: &dyn Fn(u64) -> Option<u64>) -> Reach {
@@ -182,24 +181,30 @@ fn next_admitted(sampler: &dyn Sampler, n: u64, dim: usize, rectangular: bool) -
     if sampler.admits(n, dim, rectangular) { Some(n) } else { sampler.neighbours(n, dim).1 }
 }
 
-/// For each pair the cost c of an evaluation at which N (g + c) is equal, g the generation.
-fn crossovers(reach: &[Reach]) -> Vec<Crossover> {
+/// The lower envelope of the times N (g + c) over the cost c of an evaluation, g that of
+/// generation.
+fn by_eval_cost(reach: &[Reach]) -> Vec<Fastest> {
     let ways: Vec<_> = reach
         .iter()
         .enumerate()
         .filter_map(|(i, r)| Some((i, r.n_safe? as f64, r.generation_ns?)))
         .collect();
-    let mut found = Vec::new();
-    for (position, a) in ways.iter().enumerate() {
-        for b in &ways[position + 1..] {
-            let (few, many) = if a.1 < b.1 { (a, b) } else { (b, a) };
-            let cost = (few.1 * few.2 - many.1 * many.2) / (many.1 - few.1);
-            if cost.is_finite() && cost > 0.0 {
-                found.push(Crossover { below: many.0, above: few.0, ns_per_evaluation: cost });
-            }
-        }
+    let time = |way: &(usize, f64, f64), cost: f64| way.1 * (way.2 + cost);
+    let by_n = |a: &&(usize, f64, f64), b: &&(usize, f64, f64)| a.1.total_cmp(&b.1);
+    let first =
+        ways.iter().min_by(|a, b| time(a, 0.0).total_cmp(&time(b, 0.0)).then(by_n(a, b)));
+    let mut envelope = Vec::new();
+    let mut next = first.map(|way| (0.0, way));
+    while let Some((from_ns, now)) = next {
+        envelope.push(Fastest { from_ns, sampler: now.0 });
+        let fewer = ways.iter().filter(|way| way.1 < now.1);
+        // Where the two lines cross.
+        let crossing = |way: &(usize, f64, f64)| (time(way, 0.0) - time(now, 0.0)) / (now.1 - way.1);
+        next = fewer
+            .map(|way| (crossing(way).max(from_ns), way))
+            .min_by(|a, b| a.0.total_cmp(&b.0).then(by_n(&a.1, &b.1)));
     }
-    found
+    envelope
 }
 
 /// Runs the best way with another seed, up to a thousand times, and counts the runs that
@@ -273,11 +278,13 @@ mod tests {
             ns: None,
             generation_ns: Some(generation),
         };
-        // 100 (2 + c) = 10 (110 + c) at c = 10.
-        let found = crossovers(&[way("cheap", 100, 2.0), way("dear", 10, 110.0)]);
-        assert_eq!(found.len(), 1);
-        assert_eq!((found[0].below, found[0].above), (0, 1));
-        assert!((found[0].ns_per_evaluation - 10.0).abs() < 1e-12);
-        assert!(crossovers(&[way("worse", 100, 2.0), way("better", 10, 2.0)]).is_empty());
+        // 100 (2 + c) = 10 (110 + c) at c = 10; the third is never the fastest.
+        let ways = [way("cheap", 100, 2.0), way("dear", 10, 110.0), way("middling", 50, 90.0)];
+        let found = by_eval_cost(&ways);
+        let order: Vec<_> = found.iter().map(|f| (f.sampler, f.from_ns)).collect();
+        assert_eq!(order, [(0, 0.0), (1, 10.0)]);
+        let found = by_eval_cost(&[way("worse", 100, 2.0), way("better", 10, 2.0)]);
+        assert_eq!(found, [Fastest { from_ns: 0.0, sampler: 1 }]);
+        assert!(by_eval_cost(&[]).is_empty());
     }
 }

@@ -10,7 +10,7 @@ mod error_curve;
 pub mod needed;
 mod timing;
 
-pub use choice::{Choice, Confirmation, Crossover, Reach};
+pub use choice::{Choice, Confirmation, Fastest, Reach};
 pub use error_curve::ErrorRow;
 pub use timing::{Quartiles, RowTime};
 
@@ -196,7 +196,8 @@ fn mean_reference(references: &[Reference]) -> Reference {
     }
 }
 
-/// The means of the subjects: the closed form's, or that of many jittered samples.
+/// The means of the subjects: the closed form's, or that of 64 jittered estimates of 16 times
+/// the largest N that is to be judged.
 fn references(
     subjects: &[Subject<'_>],
     plan: &StudyPlan,
@@ -207,27 +208,21 @@ fn references(
         .par_iter()
         .map(|subject| match subject.integrand.reference() {
             Some(reference) => Ok(reference),
-            None => measured_reference(subject, largest, plan.seed, control),
+            None => measured_reference(subject, largest.saturating_mul(16), plan.seed, control),
         })
         .collect()
 }
 
-/// The mean of 64 jittered estimates of at least 16 times the largest N that is to be judged.
-/// Its variance is then below 1/1024 of what random points of that N have, and for an edge
-/// below 1/4000 of what jittered ones have. Other N, other random numbers.
-///
-/// # Errors
-/// As [`study`].
-pub fn measured_reference(
+/// The mean of 64 jittered estimates of at least `wanted` samples: its variance is 1/64 of
+/// theirs.
+fn measured_reference(
     subject: &Subject<'_>,
-    largest: u64,
+    wanted: u64,
     seed: u64,
     control: Control<'_>,
 ) -> Result<Reference, StudyError> {
     const TRIALS: u32 = 64;
-    const FACTOR: u64 = 16;
     let dim = subject.integrand.dim() as u32;
-    let wanted = largest.saturating_mul(FACTOR).max(1024);
     let per_axis = (2u64..)
         .find(|k| k.checked_pow(dim).is_none_or(|n| n >= wanted))
         .and_then(|k| k.checked_pow(dim))

@@ -53,7 +53,7 @@ pub struct RowTime {
 
 /// Measurements of each row; the rows are measured by turns, so that what else the machine
 /// does meets all of them.
-const ROUNDS: usize = 9;
+const ROUNDS: usize = 15;
 
 /// A measurement lasts at least this long, and 100 steps of the clock.
 const AT_LEAST: Duration = Duration::from_micros(200);

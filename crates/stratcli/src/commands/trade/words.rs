@@ -72,11 +72,19 @@ pub fn recommendation(choice: &Choice, result: &TradeResult) -> String {
             _ => format!(" {} does not reach it.", of(other)),
         };
     }
-    for crossover in &choice.crossovers {
-        let [below, above] = [crossover.below, crossover.above].map(|i| of(&choice.reach[i]));
+    if choice.reach.len() > 1 && !choice.by_eval_cost.is_empty() {
+        let steps = choice.by_eval_cost.iter().map(|fastest| {
+            let sampler = of(&choice.reach[fastest.sampler]);
+            match fastest.from_ns {
+                0.0 => sampler,
+                from => format!("from {} per evaluation {sampler}", time(from)),
+            }
+        });
+        let steps: Vec<_> = steps.collect();
+        let range = if steps.len() == 1 { ", whatever an evaluation costs" } else { "" };
         text += &format!(
-            " Below {} per evaluation {below} is faster than {above}, above it {above}.",
-            time(crossover.ns_per_evaluation)
+            " Where points are made apart, the fastest way is {}{range}.",
+            steps.join(", ")
         );
     }
     if let Some(fresh) = choice.confirmation {
@@ -146,7 +154,7 @@ pub fn tables(result: &TradeResult) -> Vec<Table> {
 pub fn method(result: &TradeResult) -> String {
     let mut text = format!(
         "d = {}, M = {} trials, seed {}, mean {} ± {}; times of one thread, unpinned: median and \
-         quartiles of 9 rounds, clock step {}",
+         quartiles of 15 rounds, clock step {}",
         result.dim,
         result.trials,
         result.seed,

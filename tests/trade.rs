@@ -1,0 +1,207 @@
+//! The trade: whether what it recommends keeps its promise with fresh randomness, and whether
+//! the map of samples needed gives every pixel the error it was made for.
+
+use rayon::prelude::*;
+use std::process::Command;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Duration;
+use stratcore::integrand::Integrand;
+use stratcore::rng::StreamKey;
+use stratcore::sampler::{PointSet, Scramble};
+use stratcore::scene::{Channel, load};
+use stratcore::study::{Control, SamplerChoice, StudyPlan};
+use stratcore::trace::TracedScene;
+use stratcore::trade::needed::{NeededPlan, needed};
+use stratcore::trade::{Choice, Subject, Target, TradePlan, TradeResult, trade};
+use stratcore::trial::trial_means;
+
+/// One smooth, one edge and one complex pixel of `classic`.
+const PIXELS: [(&str, [u32; 2]); 3] =
+    [("smooth", [24, 40]), ("edge", [216, 24]), ("complex", [56, 56])];
+
+fn classic() -> TracedScene {
+    TracedScene::new(load("classic").unwrap())
+}
+
+/// A clock that ticks a microsecond at every reading: choices by N alone, the same in every run.
+fn measure(pixel: [u32; 2], integrand: &dyn Integrand, seed: u64) -> TradeResult {
+    let ticks = AtomicU64::new(0);
+    let clock = || Duration::from_micros(ticks.fetch_add(1, Ordering::Relaxed));
+    let plan = TradePlan {
+        study: StudyPlan { n_trials: 100, seed, ..StudyPlan::paper() },
+        targets: vec![Target::Relative(0.01), Target::Relative(0.002)],
+        eval_cost: Some(1000.0),
+    };
+    trade(&[Subject { pixel, integrand }], &plan, &clock, Control::unwatched()).unwrap()
+}
+
+/// Share of fresh single estimates by the recommended sampler and N that are within the target.
+fn share_within(
+    integrand: &dyn Integrand,
+    pixel: [u32; 2],
+    choice: &Choice,
+    mean: f64,
+    runs: usize,
+    seed: u64,
+) -> f64 {
+    let best = &choice.reach[choice.best.unwrap()];
+    let sampler = SamplerChoice::named(best.name).unwrap().sampler;
+    let (sampler_id, n_samples) = (sampler.stream_id(), best.n_safe.unwrap());
+    let key = StreamKey { seed, pixel, sampler: sampler_id, n_samples, trial: 0 };
+    let set = PointSet { key, dim: 2, scramble: Scramble::None, rectangular: false };
+    let mut means = vec![0.0; runs];
+    trial_means(integrand, sampler, &set, 0, &mut means, &AtomicBool::new(false));
+    let within = means.iter().filter(|m| (*m - mean).abs() <= choice.error).count();
+    within as f64 / runs as f64
+}
+
+/// At least 95 % of fresh estimates, less 3 standard deviations of the count: 1 false alarm in
+/// 740 for each of 6 numbers a seed, if 95 % were met exactly; the interval of the error leaves
+/// a margin that makes it rarer.
+fn recommendations_hold(runs: usize, seeds: std::ops::Range<u64>) {
+    let scene = classic();
+    let least = 0.95 - 3.0 * (0.95 * 0.05 / runs as f64).sqrt();
+    for (class, pixel) in PIXELS {
+        let integrand = scene.pixel(pixel, Channel::Luminance);
+        let shares: Vec<_> = seeds
+            .clone()
+            .into_par_iter()
+            .flat_map_iter(|seed| {
+                let result = measure(pixel, &integrand, seed);
+                let mean = result.reference.mean;
+                let share = |choice| {
+                    share_within(&integrand, pixel, choice, mean, runs, 1_000_000 + seed)
+                };
+                result.choices.iter().map(share).collect::<Vec<_>>()
+            })
+            .collect();
+        let lowest = shares.iter().copied().fold(1.0, f64::min);
+        println!("{class}: lowest of {} shares {lowest}", shares.len());
+        assert!(lowest >= least, "{class}: {shares:?}");
+    }
+}
+
+#[test]
+fn a_recommendation_reaches_its_target_with_fresh_randomness() {
+    recommendations_hold(300, 0..2);
+}
+
+/// `cargo test --test trade -- --ignored --nocapture a_thousand`
+#[test]
+#[ignore = "the same with twenty seeds and a thousand runs each"]
+fn a_thousand_fresh_runs_reach_the_target() {
+    recommendations_hold(1000, 0..20);
+}
+
+/// An independent run with another seed comes to the same sampler, and to an N whose interval
+/// meets that of the first.
+#[test]
+fn another_seed_agrees() {
+    let scene = classic();
+    for (class, pixel) in PIXELS {
+        let integrand = scene.pixel(pixel, Channel::Luminance);
+        let [a, b] = [1, 2].map(|seed| measure(pixel, &integrand, seed));
+        for (a, b) in a.choices.iter().zip(&b.choices) {
+            assert_eq!(a.best, b.best, "{class}");
+            let best = a.best.unwrap();
+            let ends = |c: &Choice| c.reach[best].n_ci95.map(Option::unwrap);
+            let ([a_lo, a_hi], [b_lo, b_hi]) = (ends(a), ends(b));
+            assert!(a_lo <= b_hi && b_lo <= a_hi, "{class}: {a_lo} {a_hi} {b_lo} {b_hi}");
+        }
+    }
+}
+
+/// A small picture. With the map every pixel has about the error that was asked for: the map's
+/// own noise (M = 100: some 10 % of an error) and the proof's (9 %) leave few beyond three
+/// standard errors of the proof. Uniform samples of about the same total leave many there.
+#[test]
+fn the_map_gives_every_pixel_its_error_and_uniform_samples_do_not() {
+    let mut scene = load("classic").unwrap();
+    scene.camera.resolution = [24, 16];
+    let traced = TracedScene::new(scene);
+    let plan = NeededPlan {
+        sampler: SamplerChoice::named("jittered").unwrap(),
+        target: Target::Relative(0.02),
+        study: StudyPlan { n_trials: 100, ..StudyPlan::paper() },
+        most: 1 << 16,
+    };
+    let found = needed(&traced, Channel::Luminance, &plan, Control::unwatched()).unwrap();
+    println!("{found:?}");
+    assert!(found.adaptive.above < 0.05 && found.uniform.above > 0.1);
+    assert!((0.7..1.1).contains(&found.adaptive.rms), "{}", found.adaptive.rms);
+    assert!(found.uniform.rms > found.adaptive.rms);
+    let again = needed(&traced, Channel::Luminance, &plan, Control::unwatched()).unwrap();
+    assert_eq!(found, again);
+}
+
+fn stratcli(args: &[&str]) -> (i32, String, String) {
+    let run = Command::new(env!("CARGO_BIN_EXE_stratcli")).args(args).output().unwrap();
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (run.status.code().unwrap(), text(run.stdout), text(run.stderr))
+}
+
+#[test]
+fn the_command_writes_table_json_csv_figure_and_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (csv, plot, report) = (path("a.csv"), path("a.svg"), path("report"));
+    let args = ["trade", "gaussian", "--counts", "1..6^2", "--targets", "5%,0.01", "--csv", &csv];
+    let more = ["--plot", &plot, "--report", &report, "--eval-cost", "1us"];
+    let (code, stdout, stderr) = stratcli(&[&args[..], &more].concat());
+    assert_eq!(code, 0, "{stderr}");
+    for words in ["random", "jittered", "one evaluation counts 1.00 µs", "For an error of 5 %"] {
+        assert!(stdout.contains(words), "{words}: {stdout}");
+    }
+    assert_eq!(std::fs::read_to_string(&csv).unwrap().lines().count(), 1 + 2 * 6);
+    assert!(std::fs::read_to_string(&plot).unwrap().contains("RMS error"));
+    let page = std::fs::read_to_string(format!("{report}/trade.html")).unwrap();
+    assert!(page.contains("<svg") && !page.contains("src=") && page.contains("Pareto"));
+
+    let (code, stdout, _) = stratcli(&["trade", "disk", "--counts", "1..4^2", "--json"]);
+    let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!((code, json["schema"].as_u64()), (0, Some(1)));
+    let row = &json["samplers"][1]["rows"][3];
+    assert_eq!(row["n"], 16);
+    for key in ["mse", "rmse", "ns_per_sample", "generation_ns", "efficiency", "pareto"] {
+        assert!(!row[key].is_null(), "{key}: {row}");
+    }
+    assert!(json["choices"][0]["confirmation"]["reached"].as_f64().unwrap() > 0.9, "{json}");
+    assert!(json["recommendations"][0].as_str().unwrap().starts_with("For an error of 1 %"));
+}
+
+#[test]
+fn wrong_words_are_refused_with_the_way_out() {
+    for (args, words) in [
+        (&["trade", "gaussian", "--at", "1,1"][..], &["no pixels", "--at"][..]),
+        (&["trade", "classic", "--dim", "3"], &["not an integrand", "--dim"]),
+        (&["trade", "classic", "--at", "999,0"], &["999,0", "256 × 256"]),
+        (&["trade", "classic", "--region", "5,5,4,9"], &["--region 5,5,4,9", "X0 < X1"]),
+        (&["trade", "gaussian", "--targets", "0%"], &["--targets 0%", "1%"]),
+        (&["trade", "gaussian", "--eval-cost", "3"], &["--eval-cost 3", "1us"]),
+        (&["trade", "classic", "--needed", "a.png"], &["--needed", ".exr"]),
+        (&["pixel", "classic", "--at", "0,0", "--until", "p"], &["--until p", "p:0.02"]),
+        (&["integrand", "ramp", "--until", "p:1", "--trials", "9"], &["--until", "--trials"]),
+    ] {
+        let (code, stdout, stderr) = stratcli(args);
+        assert_eq!((code, stdout.as_str()), (2, ""), "{args:?}: {stderr}");
+        for word in words {
+            assert!(stderr.contains(word), "{args:?}: {word} is not in {stderr}");
+        }
+    }
+}
+
+#[test]
+fn a_study_stops_when_sure_and_says_so() {
+    let args = ["integrand", "ramp", "--counts", "1..5^2", "--until", "p:0.1", "--json"];
+    let (code, stdout, stderr) = stratcli(&args);
+    assert_eq!(code, 0, "{stderr}");
+    let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    let trials = json["trials"].as_u64().unwrap();
+    assert_eq!(json["stop"]["reason"], "sure");
+    assert_eq!(json["stop"]["after_50_trials"].as_array().unwrap().len(), 2);
+    let fixed = stratcli(&[
+        "integrand", "ramp", "--counts", "1..5^2", "--trials", &trials.to_string(), "--json",
+    ]);
+    let fixed: serde_json::Value = serde_json::from_str(&fixed.1).unwrap();
+    assert_eq!(json["samplers"], fixed["samplers"]);
+}
