@@ -3,18 +3,13 @@
 //! Exit codes: 0 done; 1 done, but a stated expectation did not hold; 2 could not run;
 //! 130 interrupted, with what was finished printed.
 
-mod cli;
 mod commands;
-mod output;
-mod picture;
-mod plan;
 mod progress;
-mod report;
-mod table;
 
 use clap::Parser;
 use clap::error::ErrorKind;
 use std::process::ExitCode;
+use stratcli::{cli, output, picture, plan, report, table};
 use stratcore::StudyError;
 
 fn main() -> ExitCode {

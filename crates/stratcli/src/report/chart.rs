@@ -165,7 +165,7 @@ fn reference_slopes(svg: &mut Svg, result: &StudyResult, x: &Axis, y: &Axis, flo
 }
 
 /// The predicted exponent of a class in `dim` dimensions as a fraction in lowest terms.
-fn fraction(class: Class, dim: usize) -> String {
+pub fn fraction(class: Class, dim: usize) -> String {
     let (mut top, mut bottom) = match class {
         Class::Smooth => (dim + 2, dim),
         Class::Edge => (dim + 1, dim),

@@ -1,7 +1,7 @@
 //! Small RGB pictures and their PNG form.
 
 use crate::picture::srgb_byte;
-use stratcore::scene::Rgb;
+use stratcore::scene::{Channel, Rgb};
 
 /// An 8-bit sRGB picture, row by row from the top-left.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -78,6 +78,20 @@ fn base64(bytes: &[u8]) -> String {
         }
     }
     text
+}
+
+/// Linear colours with their luminance stretched from nearly black to nearly white and their
+/// hues kept, so that dark pictures and those of little contrast show their edges too.
+pub fn stretched(linear: &[Rgb]) -> Vec<Rgb> {
+    let luminances = || linear.iter().map(|rgb| Channel::Luminance.of(*rgb));
+    let [low, high] =
+        luminances().fold([f64::INFINITY, 0.0f64], |[lo, hi], v| [lo.min(v), hi.max(v)]);
+    let stretch = |v: f64| 0.03 + 0.72 * (v - low) / (high - low).max(f64::MIN_POSITIVE);
+    let stretched = linear.iter().zip(luminances()).map(|(rgb, luminance)| match luminance {
+        0.0 => [stretch(0.0); 3],
+        luminance => rgb.map(|v| v * stretch(luminance) / luminance),
+    });
+    stretched.collect()
 }
 
 /// The colour of p on the map's fixed scale, 1 to 2: viridis (van der Walt & Smith 2015, CC0),

@@ -50,6 +50,13 @@ impl Fit {
     }
 }
 
+/// The N, at least 1, from which on a line C N^-p promises a standard error of no more than
+/// `error`; none for a line that does not fall.
+pub fn samples_needed(exponent: f64, log10_constant: f64, error: f64) -> Option<f64> {
+    let log10_n = (log10_constant - 2.0 * error.log10()) / exponent;
+    (exponent > 0.0).then(|| 10f64.powf(log10_n).max(1.0))
+}
+
 /// How often a chi-square of `dof` degrees of freedom is above `chi2`; none for 0 degrees, or
 /// where `chi2` is no number.
 fn chi2_p_value(chi2: f64, dof: usize) -> Option<f64> {
@@ -147,6 +154,14 @@ mod tests {
     use super::*;
 
     const VAR_LN: f64 = 2.0 / 49.0;
+
+    #[test]
+    fn samples_needed_lie_on_the_line() {
+        // 0.1 N^-1.5 = 0.01^2 at N = 1000^(2/3) = 100.
+        assert!((samples_needed(1.5, -1.0, 0.01).unwrap() - 100.0).abs() < 1e-9);
+        assert_eq!(samples_needed(1.5, -1.0, 10.0), Some(1.0));
+        assert_eq!(samples_needed(0.0, -1.0, 0.01), None);
+    }
 
     #[test]
     fn a_planted_exponent_comes_back() {

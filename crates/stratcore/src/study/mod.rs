@@ -2,6 +2,7 @@
 
 mod discrepancy;
 mod exact;
+mod inside;
 mod live;
 mod parallel;
 mod picture;
@@ -12,9 +13,10 @@ mod until;
 
 pub use discrepancy::{Discrepancies, DiscrepancyCurve, DiscrepancyRow, discrepancies};
 pub use exact::ExactStudy;
+pub use inside::{Inside, inside};
 pub use live::study_live;
 pub use parallel::{collect, for_each, in_order, thread_count, with_threads};
-pub use picture::{Image, render};
+pub use picture::{Image, render, render_pixels};
 pub use plan::{SamplerChoice, StudyPlan};
 pub use result::{Method, Reading, Row, SamplerResult, StudyResult};
 pub use spectrum::{ErrorPlan, ErrorSpectrum, error_spectra, point_spectrum};

@@ -34,23 +34,12 @@ pub fn render(
     seed: u64,
     control: Control<'_>,
 ) -> Result<Image, StudyError> {
-    let dim = scene.scene().distribution.dim();
-    if spp == 0 {
-        return Err(StudyError::EmptyPlan("samples"));
-    }
-    sampler::check_scramble(choice.sampler, choice.scramble)?;
-    sampler::count_used(choice.sampler, spp, dim, CountPolicy::Rect)?;
+    let set = check(scene, choice, spp, seed)?;
     let [width, height] = scene.scene().camera.resolution;
-    let set = |x, y| {
-        let sampler = choice.sampler.stream_id();
-        let key = StreamKey { seed, pixel: [x, y], sampler, n_samples: spp, trial: 0 };
-        PointSet { key, dim, scramble: choice.scramble, rectangular: true }
-    };
-    set(width.saturating_sub(1), height.saturating_sub(1)).key.check()?;
     let rows: Vec<Vec<Rgb>> = (0..height)
         .into_par_iter()
         .map(|y| {
-            let pixel = |x| mean_radiance(scene, choice, &set(x, y), control);
+            let pixel = |x| mean_radiance(scene, choice, &at(set, [x, y]), control);
             (0..width).map(pixel).collect()
         })
         .collect();
@@ -58,6 +47,52 @@ pub fn render(
         return Err(StudyError::Cancelled);
     }
     Ok(Image { width, height, pixels: rows.concat() })
+}
+
+/// Some pixels of the picture that [`render`] makes, in the order asked for.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_pixels(
+    scene: &TracedScene,
+    pixels: &[[u32; 2]],
+    choice: SamplerChoice,
+    spp: u64,
+    seed: u64,
+    control: Control<'_>,
+) -> Result<Vec<Rgb>, StudyError> {
+    let set = check(scene, choice, spp, seed)?;
+    let radiance = |&pixel: &[u32; 2]| mean_radiance(scene, choice, &at(set, pixel), control);
+    let colours = pixels.par_iter().map(radiance).collect();
+    if control.cancel.load(Ordering::Relaxed) {
+        return Err(StudyError::Cancelled);
+    }
+    Ok(colours)
+}
+
+/// The point set of the last pixel, which has the largest address.
+fn check(
+    scene: &TracedScene,
+    choice: SamplerChoice,
+    spp: u64,
+    seed: u64,
+) -> Result<PointSet, StudyError> {
+    let dim = scene.scene().distribution.dim();
+    if spp == 0 {
+        return Err(StudyError::EmptyPlan("samples"));
+    }
+    sampler::check_scramble(choice.sampler, choice.scramble)?;
+    sampler::count_used(choice.sampler, spp, dim, CountPolicy::Rect)?;
+    let pixel = scene.scene().camera.resolution.map(|side| side.saturating_sub(1));
+    let sampler = choice.sampler.stream_id();
+    let key = StreamKey { seed, pixel, sampler, n_samples: spp, trial: 0 };
+    key.check()?;
+    Ok(PointSet { key, dim, scramble: choice.scramble, rectangular: true })
+}
+
+/// The same set in another pixel.
+fn at(set: PointSet, pixel: [u32; 2]) -> PointSet {
+    PointSet { key: StreamKey { pixel, ..set.key }, ..set }
 }
 
 /// Whatever is there when cancelled.
@@ -123,6 +158,10 @@ mod tests {
             one,
             render(&scene, SamplerChoice::JITTERED, 5, 8, Control::unwatched()).unwrap()
         );
+        let some = [[23, 15], [3, 2]];
+        let pixels =
+            render_pixels(&scene, &some, SamplerChoice::JITTERED, 5, 7, Control::unwatched());
+        assert_eq!(pixels.unwrap(), some.map(|[x, y]| one.pixels[(y * 24 + x) as usize]));
     }
 
     #[test]

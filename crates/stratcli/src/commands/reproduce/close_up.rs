@@ -4,7 +4,7 @@ use super::output::Report;
 use super::tally::Tally;
 use crate::report::chart;
 use crate::report::picture::{self, CloseUpDrawing};
-use crate::report::raster::Raster;
+use crate::report::raster::{Raster, stretched};
 use crate::report::summary::{CloseUp, paper};
 use anyhow::Result;
 use stratcore::integrand::Integrand as _;
@@ -82,13 +82,5 @@ fn inside(scene: &TracedScene, pixel: [u32; 2]) -> Raster {
         .flat_map(|y| (0..INSIDE).map(move |x| [at(x), at(y)]))
         .map(|point| channels.each_ref().map(|channel| channel.eval(&point)))
         .collect();
-    let luminances = || linear.iter().map(|rgb| Channel::Luminance.of(*rgb));
-    let [low, high] =
-        luminances().fold([f64::INFINITY, 0.0f64], |[lo, hi], v| [lo.min(v), hi.max(v)]);
-    let stretch = |v: f64| 0.03 + 0.72 * (v - low) / (high - low).max(f64::MIN_POSITIVE);
-    let stretched = linear.iter().zip(luminances()).map(|(rgb, luminance)| match luminance {
-        0.0 => [stretch(0.0); 3],
-        luminance => rgb.map(|v| v * stretch(luminance) / luminance),
-    });
-    Raster::from_linear([INSIDE; 2], &stretched.collect::<Vec<_>>())
+    Raster::from_linear([INSIDE; 2], &stretched(&linear))
 }

@@ -1,0 +1,55 @@
+//! What a panel asks for; [`App`](crate::app::App) does it after drawing.
+
+use crate::state::{InsideWords, Page, PictureWords, StudyWords, TheoryWords};
+use std::path::PathBuf;
+
+/// A wish of the user.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Command {
+    /// Open a scene: a path or a built-in name.
+    Open(String),
+    /// Load the scene's files again.
+    Reload,
+    /// Study this pixel, and no other.
+    Study([u32; 2]),
+    /// Study this pixel beside the others.
+    Compare([u32; 2]),
+    /// No longer study this pixel.
+    Remove([u32; 2]),
+    /// Move the first pixel by this much.
+    Move([i64; 2]),
+    /// Study in another way.
+    SetStudy(StudyWords),
+    /// Show the picture in another way.
+    SetPicture(PictureWords),
+    /// Show another trial inside the pixel.
+    SetInside(InsideWords),
+    /// Study another integrand.
+    SetTheory(TheoryWords),
+    /// Stop every study.
+    Stop,
+    /// Start every study again, from its first trial.
+    Restart,
+    /// Drop the curves of samplers that are no longer studied.
+    ForgetKept,
+    /// Study every pixel of the picture.
+    StartMap,
+    /// Stop doing so; what was finished stays.
+    CancelMap,
+    /// Measure error against time in the first pixel.
+    Trade,
+    /// Turn to a page.
+    ShowPage(Page),
+    /// Dark or light.
+    SetDark(bool),
+    /// Put the command line of what is on screen into the clipboard.
+    CopyLine,
+    /// Open what a line of `stratcli` says.
+    OpenLine(String),
+    /// Write the picture: `.png` or `.exr`.
+    SavePicture(PathBuf),
+    /// Write the curves: `.svg`, `.png` or `.csv`.
+    SaveCurve(PathBuf),
+    /// Show or hide the help.
+    ShowHelp(bool),
+}

@@ -1,0 +1,16 @@
+//! What is drawn. A panel reads the state and the model, changes neither, and returns what the
+//! user asks for.
+
+pub mod colours;
+pub mod curve;
+pub mod dialogs;
+pub mod help;
+pub mod inside;
+pub mod legend;
+pub mod picture;
+pub mod plot;
+pub mod study;
+pub mod texture;
+pub mod theory;
+pub mod top;
+pub mod trade;

@@ -1,0 +1,221 @@
+//! Variance of the mean against N, both logarithmic: the plot that pixels and integrands share.
+
+use super::colours;
+use crate::model::Study;
+use eframe::egui::{Align2, Color32, RichText, Ui, Vec2, Vec2b};
+use egui_plot::{
+    GridInput, GridMark, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotUi, Points, Text,
+};
+use stratcli::report::chart::{Style, fraction};
+use stratcli::report::svg::Marker;
+use stratcore::study::{Row, SamplerResult};
+use stratcore::theory::Class;
+
+/// Half the width of an error bar's cap, in decades of N.
+const CAP: f64 = 0.012;
+
+/// One curve with what tells it from others.
+struct Curve<'a> {
+    sampler: &'a SamplerResult,
+    colour: Color32,
+    marker: MarkerShape,
+    /// Kept from before: drawn pale.
+    is_kept: bool,
+}
+
+/// Draws the curves of these studies. With several, colour tells the sampler and marker the
+/// study.
+pub fn ui(ui: &mut Ui, id: &str, studies: &[&Study]) {
+    let dark = ui.visuals().dark_mode;
+    let curve = |i: usize, sampler, is_kept| {
+        let SamplerResult { name, .. } = sampler;
+        let colour = colours::sampler(name, dark);
+        let marker = if studies.len() > 1 { nth_marker(i) } else { marker_of(name) };
+        let colour = if is_kept { colour.gamma_multiply(0.45) } else { colour };
+        Curve { sampler, colour, marker, is_kept }
+    };
+    let curves: Vec<_> = studies
+        .iter()
+        .enumerate()
+        .flat_map(|(i, study)| {
+            let kept = study.kept.iter().map(move |(s, _)| curve(i, s, true));
+            let current = study.result.iter().flat_map(|result| &result.samplers);
+            kept.chain(current.map(move |s| curve(i, s, false)))
+        })
+        .collect();
+    let dim = studies.iter().find_map(|study| study.result.as_ref()).map_or(2, |r| r.dim);
+    let muted = ui.visuals().weak_text_color();
+    Plot::new(id)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .show_axes(Vec2b::TRUE)
+        .set_margin_fraction(Vec2::new(0.04, 0.04))
+        .x_axis_label("samples in one estimate, N")
+        .y_axis_label("variance of the mean")
+        .x_grid_spacer(decades)
+        .y_grid_spacer(decades)
+        .x_axis_formatter(|mark, range| power(mark, range.end() - range.start()))
+        .y_axis_formatter(|mark, range| power(mark, range.end() - range.start()))
+        .label_formatter(|position| match position {
+            egui_plot::HoverPosition::NearDataPoint { plot_name, position, .. } => Some(format!(
+                "{plot_name}\nN {:.0}\nvariance {:.3e}",
+                10f64.powf(position.x),
+                10f64.powf(position.y)
+            )),
+            egui_plot::HoverPosition::Elsewhere { .. } => None,
+        })
+        .show(ui, |plot| {
+            reference_slopes(plot, &curves, dim, muted);
+            for curve in &curves {
+                draw(plot, curve, floor(&curves));
+            }
+        });
+}
+
+/// A point for every sampler where there is a variance.
+fn draw(plot: &mut PlotUi<'_>, curve: &Curve<'_>, floor: f64) {
+    let Curve { sampler, colour, .. } = *curve;
+    let name = sampler.name;
+    if let Some(fit) = &sampler.fit {
+        let end = |n: u64| [(n as f64).log10(), fit.variance_at(n as f64).log10()];
+        let line = Line::new(name, vec![end(fit.n_min), end(fit.n_max)]);
+        plot.line(line.color(colour).width(1.5).allow_hover(false));
+    }
+    let exact = |row: &Row| {
+        let variance = row.exact_variance.filter(|v| *v > 0.0)?;
+        Some([(row.n_used as f64).log10(), variance.log10()])
+    };
+    let closed_form: Vec<_> = sampler.rows.iter().filter_map(exact).collect();
+    if !curve.is_kept && closed_form.len() > 1 {
+        let style = LineStyle::Dotted { spacing: 4.0 };
+        let line = Line::new("closed form", closed_form).color(colour).width(1.0);
+        plot.line(line.style(style).allow_hover(false));
+    }
+    for row in measured(sampler) {
+        let x = (row.n_used as f64).log10();
+        let [low, high] = row.ci95().map(f64::log10);
+        let bar = |ends: [[f64; 2]; 2]| {
+            Line::new(name, ends.to_vec()).color(colour).width(1.0).allow_hover(false)
+        };
+        plot.line(bar([[x, low], [x, high]]));
+        for end in [low, high] {
+            plot.line(bar([[x - CAP, end], [x + CAP, end]]));
+        }
+    }
+    let at = |row: &Row| [(row.n_used as f64).log10(), row.variance_of_mean.log10()];
+    let points: Vec<_> = measured(sampler).map(at).collect();
+    let dots = Points::new(name, points).shape(curve.marker).radius(3.5).color(colour);
+    plot.points(dots.filled(curve.marker != MarkerShape::Circle));
+    let zero = sampler.rows.iter().filter(|row| row.variance_of_mean == 0.0);
+    let zero: Vec<_> = zero.map(|row| [(row.n_used as f64).log10(), floor]).collect();
+    if !zero.is_empty() {
+        let marks = Points::new(format!("{name}: variance 0, left out of the fit"), zero);
+        plot.points(marks.shape(MarkerShape::Down).radius(5.0).filled(false).color(colour));
+    }
+}
+
+fn measured(sampler: &SamplerResult) -> impl Iterator<Item = &Row> {
+    sampler.rows.iter().filter(|row| row.variance_of_mean > 0.0)
+}
+
+/// log₁₀ of where variances of zero are marked: below everything else.
+fn floor(curves: &[Curve<'_>]) -> f64 {
+    let lows = curves.iter().flat_map(|c| measured(c.sampler)).map(|row| row.ci95()[0]);
+    let lowest = lows.fold(f64::INFINITY, f64::min);
+    if lowest.is_finite() { lowest.log10() - 0.25 } else { -6.0 }
+}
+
+/// The slopes of complex, edge and smooth integrands, dashed, through the first fitted point of
+/// the last curve that has a fit.
+fn reference_slopes(plot: &mut PlotUi<'_>, curves: &[Curve<'_>], dim: usize, colour: Color32) {
+    let floor = floor(curves);
+    let fitted = curves.iter().rev().find_map(|c| Some((c.sampler.fit.as_ref()?, c.sampler)));
+    let Some((fit, sampler)) = fitted else { return };
+    let Some(first) = measured(sampler).find(|row| row.n_used == fit.n_min) else { return };
+    let (x0, y0) = ((first.n_used as f64).log10(), first.variance_of_mean.log10());
+    for class in [Class::Complex, Class::Edge, Class::Smooth] {
+        let Some(p) = class.predicted_exponent(dim) else { continue };
+        let x1 = (fit.n_max as f64).log10().min(x0 + (y0 - floor) / p);
+        let end = [x1, y0 - p * (x1 - x0)];
+        let line = Line::new("slope", vec![[x0, y0], end]).color(colour).width(1.0);
+        plot.line(line.style(LineStyle::dashed_dense()).allow_hover(false));
+        let words = RichText::new(format!("-{}", fraction(class, dim))).size(12.0);
+        let at = PlotPoint::new(end[0], end[1]);
+        let text = Text::new("slope", at, words).color(colour).anchor(Align2::LEFT_CENTER);
+        plot.text(text.allow_hover(false));
+    }
+}
+
+/// Decades, and 2 … 9 times them where there is room.
+pub fn decades(input: GridInput) -> Vec<GridMark> {
+    let (low, high) = input.bounds;
+    let mut marks = Vec::new();
+    if !(high - low).is_finite() || high - low > 400.0 {
+        return marks;
+    }
+    for decade in low.floor() as i64..=high.ceil() as i64 {
+        marks.push(GridMark { value: decade as f64, step_size: 1.0 });
+        if high - low <= 8.0 {
+            let minor = |digit: i32| decade as f64 + f64::from(digit).log10();
+            marks.extend((2..10).map(|d| GridMark { value: minor(d), step_size: 0.2 }));
+        }
+    }
+    marks
+}
+
+/// A power of ten as people write it; 2 and 5 times it where less than a decade is seen.
+pub fn power(mark: GridMark, span: f64) -> String {
+    let decade = mark.value.round();
+    let value = 10f64.powf(mark.value);
+    let is_decade = (mark.value - decade).abs() < 1e-6;
+    let digit = (value / 10f64.powf(mark.value.floor())).round();
+    if !is_decade && !(span < 1.2 && (digit == 2.0 || digit == 5.0)) {
+        return String::new();
+    }
+    if (-3.0..6.0).contains(&decade) {
+        stratcli::table::short(value, 3)
+    } else {
+        format!("1e{decade}")
+    }
+}
+
+/// The marker of a sampler in every figure.
+pub fn marker_of(name: &str) -> MarkerShape {
+    match Style::of_sampler(name).marker {
+        Marker::Circle => MarkerShape::Circle,
+        Marker::Square => MarkerShape::Square,
+        Marker::Triangle => MarkerShape::Up,
+        Marker::Diamond => MarkerShape::Diamond,
+        Marker::Cross => MarkerShape::Cross,
+    }
+}
+
+/// The marker of the n-th of several studies.
+pub fn nth_marker(n: usize) -> MarkerShape {
+    use MarkerShape::{Circle, Cross, Diamond, Down, Plus, Square, Up};
+    [Circle, Square, Up, Diamond, Down, Cross, Plus][n % 7]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_of_decades_are_written_as_people_do() {
+        let label = |value: f64, span| power(GridMark { value, step_size: 1.0 }, span);
+        assert_eq!(label(0.0, 3.0), "1");
+        assert_eq!(label(2.0, 3.0), "100");
+        assert_eq!(label(-3.0, 3.0), "0.001");
+        assert_eq!(label(-7.0, 9.0), "1e-7");
+        assert_eq!(label(2f64.log10(), 3.0), "");
+        assert_eq!(label(2f64.log10(), 0.8), "2");
+    }
+
+    #[test]
+    fn the_grid_is_finite_whatever_the_bounds() {
+        let marks = |bounds| decades(GridInput { bounds, base_step_size: 0.1 }).len();
+        assert_eq!(marks((0.0, 2.0)), 27);
+        assert_eq!(marks((-1e300, 1e300)), 0);
+        assert_eq!(marks((f64::NAN, 1.0)), 0);
+    }
+}
