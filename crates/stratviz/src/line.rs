@@ -108,8 +108,8 @@ fn parse(words: &[String]) -> Result<Cli, String> {
 pub fn study_plan(words: &[String], dim: usize) -> Result<StudyPlan, String> {
     let cli = parse(words)?;
     let plan = match &cli.command {
-        Command::Pixel(args) => plan::study_plan(&args.study, &cli.common, dim),
-        Command::Integrand(args) => plan::study_plan(&args.study, &cli.common, dim),
+        Command::Pixel(args) => plan::study_plan(&args.study.protocol, &cli.common, dim),
+        Command::Integrand(args) => plan::study_plan(&args.study.protocol, &cli.common, dim),
         Command::Trade(args) => plan::trade_study_plan(args, &cli.common, dim),
         _ => return Err("these words are no study".to_owned()),
     };
@@ -118,7 +118,7 @@ pub fn study_plan(words: &[String], dim: usize) -> Result<StudyPlan, String> {
 
 /// The channel of this name; luminance for a name that is none.
 pub fn channel(name: &str) -> Channel {
-    plan::channel(StudiedChannel::from_str(name, true).unwrap_or(StudiedChannel::Luminance))
+    plan::channel(StudiedChannel::from_str(name, true).unwrap_or(StudiedChannel::Luminance)).0
 }
 
 /// What a pasted line opens: the session changed to it.

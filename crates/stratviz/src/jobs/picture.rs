@@ -3,7 +3,7 @@
 use super::{Job, RightOfWay, Wake};
 use std::sync::Arc;
 use stratcore::scene::Rgb;
-use stratcore::study::{Control, render_pixels};
+use stratcore::study::{Control, SamplerChoice, render_pixels};
 use stratcore::trace::TracedScene;
 
 /// A part of the picture in a quality.
@@ -48,7 +48,7 @@ pub fn render(
             for pixels in blocks {
                 way.give(reporter);
                 let control = Control { cancel: reporter.cancel(), ..Control::unwatched() };
-                let rendered = render_pixels(&traced, &pixels, spp, seed, control);
+                let rendered = render_pixels(&traced, &pixels, SamplerChoice::JITTERED, spp, seed, control);
                 if reporter.is_cancelled() {
                     return;
                 }
@@ -119,7 +119,7 @@ mod tests {
             rung.recv().unwrap();
             patches.extend(job.poll());
         }
-        let whole = study::render(&traced, 4, 7, Control::unwatched()).unwrap();
+        let whole = study::render(&traced, SamplerChoice::JITTERED, 4, 7, Control::unwatched()).unwrap();
         let last = patches.pop().unwrap().unwrap();
         assert_eq!((last.spp, last.step), (4, 1));
         assert_eq!(last.colours, whole.pixels);

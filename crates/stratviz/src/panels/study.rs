@@ -111,7 +111,8 @@ fn sampler_line(ui: &mut Ui, sampler: &dyn Sampler, words: &mut StudyWords) {
     let base = |word: &str| word.split('+').next() == Some(sampler.name());
     let place = words.samplers.iter().position(|word| base(word));
     let mut chosen = place.is_some();
-    let hint = format!("{}\n{}", sampler.summary(), sampler.source());
+    let facts = sampler.facts();
+    let hint = format!("{}\n{}", facts.summary, facts.source);
     if ui.checkbox(&mut chosen, sampler.name()).on_hover_text(hint).changed() {
         match place {
             // One always remains.
