@@ -1,6 +1,5 @@
 //! A study without trials, where a pixel allows it.
 
-use super::SamplerChoice;
 use super::{
     Control, Method, Row, SamplerResult, StudyPlan, StudyResult, study_sampler, summarise,
 };
