@@ -1,8 +1,8 @@
 //! A study without trials, where a pixel allows it.
 
-use super::SamplerChoice;
 use super::{
-    Control, Method, Row, SamplerResult, StudyPlan, StudyResult, study_sampler, summarise,
+    Control, Method, Row, SamplerChoice, SamplerResult, StudyPlan, StudyResult, study_sampler,
+    summarise,
 };
 use crate::error::StudyError;
 use crate::exact::{ExactCurve, Grids, Unresolved};
