@@ -51,13 +51,11 @@ impl Sampler for ZSobol {
         let pair = |pair| {
             let key = splitmix(bits, pair);
             // The first pair keeps its order: the set is the same.
-            let order = match pair {
-                0 => Order::Kept,
-                _ if n == 1 => Order::Kept,
-                _ => {
-                    let key = splitmix(splitmix(key, 3), place);
-                    Order::Nested(NestedUniform::new(key, levels(n)))
-                }
+            let order = if pair == 0 || n == 1 {
+                Order::Kept
+            } else {
+                let key = splitmix(splitmix(key, 3), place);
+                Order::Nested(NestedUniform::new(key, levels(n)))
             };
             let start = shuffled(place, splitmix(key, 4)) * n;
             ZeroTwo::new(set.scramble, key, 32, start, order)
