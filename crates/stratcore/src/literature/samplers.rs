@@ -80,7 +80,7 @@ fn order(stream: &Stream, first: u64, k: u64) -> Vec<u64> {
     let mut order: Vec<u64> = (0..k).collect();
     for i in (1..k).rev() {
         let [word, ..] = stream.draw(first + i);
-        order.swap(i as usize, (u64::from(word) * (i + 1) >> 32) as usize);
+        order.swap(i as usize, ((u64::from(word) * (i + 1)) >> 32) as usize);
     }
     order
 }
