@@ -48,7 +48,8 @@ pub fn render(
             for pixels in blocks {
                 way.give(reporter);
                 let control = Control { cancel: reporter.cancel(), ..Control::unwatched() };
-                let rendered = render_pixels(&traced, &pixels, SamplerChoice::JITTERED, spp, seed, control);
+                let rendered =
+                    render_pixels(&traced, &pixels, SamplerChoice::JITTERED, spp, seed, control);
                 if reporter.is_cancelled() {
                     return;
                 }
@@ -119,7 +120,8 @@ mod tests {
             rung.recv().unwrap();
             patches.extend(job.poll());
         }
-        let whole = study::render(&traced, SamplerChoice::JITTERED, 4, 7, Control::unwatched()).unwrap();
+        let whole =
+            study::render(&traced, SamplerChoice::JITTERED, 4, 7, Control::unwatched()).unwrap();
         let last = patches.pop().unwrap().unwrap();
         assert_eq!((last.spp, last.step), (4, 1));
         assert_eq!(last.colours, whole.pixels);
