@@ -183,10 +183,15 @@ fn by_list_length(
     let mut groups: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     let mut at_limit = Vec::new();
     let nanoseconds = |scene: &TracedScene, pixel| -> Result<f64> {
-        let start = Clock::start(1);
-        let integrand = scene.pixel(pixel, Channel::Luminance);
-        study(&integrand, pixel, plan, Control::unwatched())?;
-        Ok(start.elapsed().as_secs_f64() * 1e9 / n_samples(plan) as f64)
+        // Too short for the processor's clock; other work only ever adds time to the wall's.
+        let mut fastest = Duration::MAX;
+        for _ in 0..3 {
+            let start = Instant::now();
+            let integrand = scene.pixel(pixel, Channel::Luminance);
+            study(&integrand, pixel, plan, Control::unwatched())?;
+            fastest = fastest.min(start.elapsed());
+        }
+        Ok(fastest.as_secs_f64() * 1e9 / n_samples(plan) as f64)
     };
     with_threads(Some(1), || -> Result<()> {
         for &pixel in pixels {

@@ -286,6 +286,18 @@ mod tests {
     }
 
     #[test]
+    fn words_of_many_trials_are_those_of_each() {
+        let key = StreamKey { seed: 3 << 40, pixel: [9, 8], sampler: 7, n_samples: 6, trial: 5 };
+        for first in [0, 250, 65_530, u32::MAX - 15] {
+            let words = key.words_of_trials::<16>(first);
+            for (l, trial) in (first..=first + 15).enumerate() {
+                let stream = StreamKey { trial, ..key }.stream();
+                assert_eq!([words[0][l], words[1][l]], stream.words, "trial {trial}");
+            }
+        }
+    }
+
+    #[test]
     fn keys_out_of_range_are_refused() {
         let key = StreamKey { seed: 0, pixel: [0, 0], sampler: 0, n_samples: 1, trial: 0 };
         assert!(StreamKey { pixel: [1 << 20, 0], ..key }.check().is_err());

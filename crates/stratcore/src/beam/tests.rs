@@ -267,3 +267,20 @@ fn an_empty_picture_is_its_background() {
     let result = study(&beam, [0, 0], &plan, Control::unwatched()).unwrap();
     assert!(result.samplers.iter().all(|sampler| sampler.exact));
 }
+
+/// Rows that would take minutes end at once.
+#[test]
+fn a_cancelled_row_ends() {
+    let traced = TracedScene::new(scene::load("classic").unwrap());
+    let (pixel, cancel) = ([100, 120], AtomicBool::new(true));
+    let beam =
+        PixelBeam::new(traced.scene(), traced.accel().bvh(), pixel, Channel::Luminance).unwrap();
+    assert!(beam.n_facets() > 0);
+    let mut means = vec![0.0; 1000];
+    for (sampler, n) in [(&Jittered as &dyn Sampler, 1 << 24), (&Random, u32::MAX.into())] {
+        let (id, seed) = (sampler.stream_id(), 1);
+        let key = StreamKey { seed, pixel, sampler: id, n_samples: n, trial: 0 };
+        let set = PointSet { key, dim: 2, scramble: Scramble::None, rectangular: false };
+        assert!(beam.trial_means(sampler, &set, 0, &mut means, &cancel));
+    }
+}

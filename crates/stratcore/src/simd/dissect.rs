@@ -4,6 +4,9 @@ use super::raster::{SIDE, Tile};
 use super::vector::{Extent, Vector};
 use super::{Entry, Pixel32, Rect, Strata, Work};
 
+/// Strata of a rectangle along each axis, at most: its samples take milliseconds.
+const LARGEST: u32 = 64;
+
 /// A rectangle of strata and what fills it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Piece {
@@ -84,7 +87,10 @@ pub(super) fn next_pieces<V: Vector>(pixel: &Pixel32, strata: &Strata, work: &mu
                 _ => None,
             };
         }
-        if let Some(fill) = fill {
+        let size = (rect.i[1] - rect.i[0]).max(rect.j[1] - rect.j[0]);
+        if let Some(fill) = fill
+            && size <= LARGEST
+        {
             pieces.push(Piece { i: rect.i, j: rect.j, fill });
             return true;
         }

@@ -1,9 +1,14 @@
 //! Vector instructions, chosen at run time: the only module with `unsafe`.
 //!
 //! The loops are written once for any vector, in functions that must stay `inline(always)`.
-//! Here they are compiled once for each
-//! instruction set and once without any: that plain twin is what tests compare with, and what
-//! runs on a machine that has none of the others. All give the same bits.
+//! Here they are compiled once for each instruction set and once without any: that plain twin
+//! is what tests compare with, and what runs on a machine that has none of the others. All give
+//! the same bits. On 64-bit ARM the twin is what the compiler makes of it with NEON; there is no
+//! code by hand for it.
+//!
+//! `draw` makes the points of many trials at once. `dissect` cuts the pixel into rectangles and
+//! tiles, `raster` draws facets into a tile, `visible` finds the nearest of several, `shader`
+//! its radiance. `strata` and `scatter` sum over samples with strata and without.
 
 #![expect(unsafe_code, reason = "calling a function compiled for a CPU feature is unsafe")]
 
