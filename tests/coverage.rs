@@ -168,7 +168,10 @@ fn intervals_cover_as_they_promise() {
             for (what, count) in [("variance", found.variance()), ("p", found.exponent)] {
                 let percent = count.percent();
                 let case = name(case);
-                assert!((percent - 95.0).abs() < allowed, "{case}, M = {n_trials}: {what} {percent}");
+                assert!(
+                    (percent - 95.0).abs() < allowed,
+                    "{case}, M = {n_trials}: {what} {percent}"
+                );
             }
         }
     }
@@ -186,7 +189,9 @@ fn every_case_at_every_number_of_trials() {
     const REPEATS: u64 = 2000;
     let allowed = 2.0 + 3.0 * (95.0 * 5.0 / REPEATS as f64).sqrt();
     let mut faults = Vec::new();
-    println!("| sampler, integrand | M | variance, % | worst N | missed, % | p, % | (p - true)/se |");
+    println!(
+        "| sampler, integrand | M | variance, % | worst N | missed, % | p, % | (p - true)/se |"
+    );
     println!("| --- | --- | --- | --- | --- | --- | --- |");
     for n_trials in [10, 50, 1000] {
         for case in CASES {
@@ -231,7 +236,8 @@ fn studies_that_stop_when_sure_still_cover() {
                 })
                 .collect();
             let trials = results.iter().map(|(m, _)| f64::from(*m)).sum::<f64>() / REPEATS as f64;
-            let samplers: Vec<_> = results.into_iter().map(|(_, mut r)| r.samplers.remove(0)).collect();
+            let samplers: Vec<_> =
+                results.into_iter().map(|(_, mut r)| r.samplers.remove(0)).collect();
             let found = Coverage::of(&*f, case.0, &samplers);
             let percent = match until {
                 Tightness::Exponent(_) => found.exponent.percent(),

@@ -274,7 +274,9 @@ fn the_papers_form_factors() {
         let results: Vec<_> =
             (0..SEEDS).map(|seed| measure(&*f, "jittered", &counts, 50, seed)).collect();
         for (occluder, drop_first, reference, std_error, scatter, paper) in pair {
-            let fit_of = |r: &SamplerResult| if *drop_first { r.paper_fit_without_first } else { r.paper_fit };
+            let fit_of = |r: &SamplerResult| {
+                if *drop_first { r.paper_fit_without_first } else { r.paper_fit }
+            };
             let exponents: Vec<f64> = results.iter().map(|r| fit_of(r).unwrap().exponent).collect();
             let (mean, sd) = moments(&exponents);
             let combined = (sd * sd / SEEDS as f64 + std_error * std_error).sqrt();

@@ -69,9 +69,8 @@ fn recommendations_hold(runs: usize, seeds: std::ops::Range<u64>) {
             .flat_map_iter(|seed| {
                 let result = measure(pixel, &integrand, seed);
                 let mean = result.reference.mean;
-                let share = |choice| {
-                    share_within(&integrand, pixel, choice, mean, runs, 1_000_000 + seed)
-                };
+                let share =
+                    |choice| share_within(&integrand, pixel, choice, mean, runs, 1_000_000 + seed);
                 result.choices.iter().map(share).collect::<Vec<_>>()
             })
             .collect();
@@ -200,7 +199,13 @@ fn a_study_stops_when_sure_and_says_so() {
     assert_eq!(json["stop"]["reason"], "sure");
     assert_eq!(json["stop"]["after_50_trials"].as_array().unwrap().len(), 2);
     let fixed = stratcli(&[
-        "integrand", "ramp", "--counts", "1..5^2", "--trials", &trials.to_string(), "--json",
+        "integrand",
+        "ramp",
+        "--counts",
+        "1..5^2",
+        "--trials",
+        &trials.to_string(),
+        "--json",
     ]);
     let fixed: serde_json::Value = serde_json::from_str(&fixed.1).unwrap();
     assert_eq!(json["samplers"], fixed["samplers"]);

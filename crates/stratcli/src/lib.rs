@@ -1,6 +1,7 @@
 //! What the command line shares with the explorer: words and their meaning, figures, pictures,
 //! tables, and files that appear whole or not at all.
 
+#[allow(missing_docs, reason = "the comments of its fields are the help that users read")]
 pub mod cli;
 pub mod output;
 pub mod picture;

@@ -2,7 +2,8 @@
 
 use anyhow::{Context, Result, bail};
 use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SpecificChannels, Text, Vec2, WritableImage,
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes,
+    SpecificChannels, Text, Vec2, WritableImage,
 };
 use image::ImageEncoder;
 use image::codecs::png::PngEncoder;
@@ -96,8 +97,7 @@ pub fn exr_channels(
         .map(|(name, values)| AnyChannel::new(name.as_str(), FlatSamples::F32(values)))
         .collect();
     let size = (width as usize, height as usize);
-    let layer =
-        Layer::new(size, about, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
+    let layer = Layer::new(size, about, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
     let mut file = Cursor::new(Vec::new());
     Image::from_layer(layer)
         .write()

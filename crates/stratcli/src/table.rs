@@ -9,7 +9,9 @@ use stratcore::theory::Class;
 /// Which side of a column its cells stand at.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Align {
+    /// At its left.
     Left,
+    /// At its right.
     Right,
 }
 
@@ -200,7 +202,8 @@ pub fn stop(stop: &Stop, result: &StudyResult) -> String {
 fn misfit(fit: &Fit, sampler: &SamplerResult) -> String {
     let dof = fit.points.saturating_sub(2);
     let Some(probability) = sampler.misfit_p_value else { return String::new() };
-    let mut text = format!("  residuals: chi2 = {} for {dof} degrees of freedom", number(fit.chi2, 3));
+    let mut text =
+        format!("  residuals: chi2 = {} for {dof} degrees of freedom", number(fit.chi2, 3));
     text += match probability {
         p if p < 0.01 => "; one slope does not describe the rows\n",
         _ => "\n",

@@ -22,8 +22,8 @@ pub mod scene;
 pub mod simd;
 pub mod study;
 pub mod theory;
-pub mod trade;
 pub mod trace;
+pub mod trade;
 pub mod trial;
 pub mod variance;
 

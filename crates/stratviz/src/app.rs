@@ -260,9 +260,8 @@ impl App {
             return;
         }
         let mut pixels = self.state.pixels.clone();
-        let clamped = |at: u32, by: i64, side: u32| {
-            (i64::from(at) + by).clamp(0, i64::from(side) - 1) as u32
-        };
+        let clamped =
+            |at: u32, by: i64, side: u32| (i64::from(at) + by).clamp(0, i64::from(side) - 1) as u32;
         match pixels.first_mut() {
             Some([x, y]) => [*x, *y] = [clamped(*x, dx, width), clamped(*y, dy, height)],
             None => pixels.push([width / 2, height / 2]),

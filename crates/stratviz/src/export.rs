@@ -112,10 +112,7 @@ fn csv(subject: &str, channel: &str, results: &[StudyResult]) -> String {
                 || ",,,,".to_owned(),
                 |fit| {
                     let [lo, hi] = fit.ci95;
-                    format!(
-                        "{},{},{lo},{hi},{}",
-                        fit.exponent, fit.std_error, fit.log10_constant
-                    )
+                    format!("{},{},{lo},{hi},{}", fit.exponent, fit.std_error, fit.log10_constant)
                 },
             );
             let (name, scramble) = (quoted(sampler.name), sampler.scramble);
@@ -153,8 +150,7 @@ mod tests {
     #[test]
     fn the_csv_holds_every_number_to_the_last_bit() {
         let integrand = stratcore::integrand::by_name("disk", Some(2), &[]).unwrap();
-        let result =
-            study(&*integrand, [3, 4], &StudyPlan::paper(), Control::unwatched()).unwrap();
+        let result = study(&*integrand, [3, 4], &StudyPlan::paper(), Control::unwatched()).unwrap();
         let text = csv("a,b", "g", std::slice::from_ref(&result));
         let lines: Vec<_> = text.lines().collect();
         assert_eq!(lines.len(), 1 + 2 * 16);

@@ -243,7 +243,10 @@ mod tests {
             ..state.study
         };
         let copied = line(&pixel(&state, [21, 3], 77));
-        assert!(copied.starts_with(r"stratcli pixel 'my scenes/a'\''b.toml' --at 21,3"), "{copied}");
+        assert!(
+            copied.starts_with(r"stratcli pixel 'my scenes/a'\''b.toml' --at 21,3"),
+            "{copied}"
+        );
         let mut blank = State::default();
         blank.study.seed = 3;
         let opened = open(&copied, &blank).unwrap();
@@ -262,7 +265,10 @@ mod tests {
     fn lines_are_read_as_people_have_them() {
         let pixels = |text| open(text, &State::default()).map(|state| state.pixels);
         assert_eq!(pixels("$ cargo run --release -- pixel classic --at 1,2"), Ok(vec![[1, 2]]));
-        assert_eq!(pixels("./target/release/stratcli pixel classic \\\n --at 3,4"), Ok(vec![[3, 4]]));
+        assert_eq!(
+            pixels("./target/release/stratcli pixel classic \\\n --at 3,4"),
+            Ok(vec![[3, 4]])
+        );
         for (text, hint) in [
             ("hello", "begins with stratcli"),
             ("stratcli pixel 'classic", "close it"),

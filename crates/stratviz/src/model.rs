@@ -230,7 +230,8 @@ mod tests {
         let control = stratcore::study::Control::unwatched();
         let result = stratcore::study(&*integrand, [1, 2], &plan, control).unwrap();
         let terms = || "seed 1".to_owned();
-        let study = Study { pixel: [1, 2], result: Some(result), terms: terms(), ..Study::default() };
+        let study =
+            Study { pixel: [1, 2], result: Some(result), terms: terms(), ..Study::default() };
         let names = |study: &Study| study.kept.iter().map(|(s, _)| s.name).collect::<Vec<_>>();
 
         let samplers = ["jittered".to_owned(), "sobol".to_owned()];

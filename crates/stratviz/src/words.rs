@@ -39,13 +39,22 @@ fn kind(sampler: &SamplerResult, dim: usize) -> String {
     let perhaps = if sampler.class_is_sure { "" } else { "perhaps " };
     match sampler.class {
         Some(class @ Class::Smooth) => {
-            format!("{perhaps}smooth: the variance under jittered is {} times below random", gain(class))
+            format!(
+                "{perhaps}smooth: the variance under jittered is {} times below random",
+                gain(class)
+            )
         }
         Some(class @ Class::Edge) => {
-            format!("{perhaps}an edge: the variance under jittered is {} times below random", gain(class))
+            format!(
+                "{perhaps}an edge: the variance under jittered is {} times below random",
+                gain(class)
+            )
         }
         Some(Class::Complex) => {
-            format!("{perhaps}complex: detail finer than the strata, where jittered gains {}", gain(Class::Complex))
+            format!(
+                "{perhaps}complex: detail finer than the strata, where jittered gains {}",
+                gain(Class::Complex)
+            )
         }
         Some(Class::Exact) | None => "constant under jittered: its estimates are exact".to_owned(),
     }
@@ -62,7 +71,8 @@ fn cost(result: &StudyResult, error: f64) -> Option<String> {
     let (best, sampler) = costs.first()?;
     let n = |n: f64| number(n.ceil(), if n < 1e3 { 3 } else { 2 });
     let mut text = format!("{} samples of {} reach error {error}", n(*best), sampler.name);
-    if let Some((random, _)) = costs.iter().find(|(_, s)| s.name == "random" && sampler.name != "random")
+    if let Some((random, _)) =
+        costs.iter().find(|(_, s)| s.name == "random" && sampler.name != "random")
     {
         text += &format!("; random needs {}", n(*random));
     }
@@ -82,8 +92,7 @@ mod tests {
 
     fn of(name: &str) -> String {
         let integrand = stratcore::integrand::by_name(name, Some(2), &[]).unwrap();
-        let result =
-            study(&*integrand, [0, 0], &StudyPlan::paper(), Control::unwatched()).unwrap();
+        let result = study(&*integrand, [0, 0], &StudyPlan::paper(), Control::unwatched()).unwrap();
         verdict(&result, 0.01)
     }
 

@@ -1,10 +1,10 @@
 //! The jobs under way, and how what they send gets into the model.
 
+use crate::export::{self, Export};
 use crate::jobs::{
     InsideJob, Job, MapJob, PictureJob, PointsAsked, RightOfWay, SceneJob, Standing, StudyJob,
     Subject, TradeJob, Wake, WatchJob, inside, map, picture, scene, study_job, trade_job, watch,
 };
-use crate::export::{self, Export};
 use crate::line;
 use crate::model::{Model, Notice, Progress, Study, Trade};
 use crate::state::State;

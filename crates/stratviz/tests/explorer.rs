@@ -215,9 +215,8 @@ fn the_map_is_begun_cancelled_and_read_under_the_pointer() {
     state.study.counts = "1..4^2".to_owned();
     let mut window = Window::open(state);
     window.harness.get_by_label("Map").click();
-    window.wait("the first lattice", |app| {
-        app.model.map.at([208, 16]).is_some_and(Option::is_some)
-    });
+    window
+        .wait("the first lattice", |app| app.model.map.at([208, 16]).is_some_and(Option::is_some));
     window.harness.get_by_label("Cancel map").click();
     window.harness.run_steps(2);
     assert!(window.sees("stopped at"));
@@ -243,16 +242,18 @@ fn curves_and_pictures_are_saved_from_the_keyboard() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = Window::open(State { pixels: vec![[216, 24]], ..session("edges") });
     window.wait_for_studies();
-    for (key, name, starts) in
-        [(Key::E, "curve.csv", "subject,x,y"), (Key::E, "curve.svg", "<svg"), (Key::S, "p.exr", "v/1")]
-    {
+    for (key, name, starts) in [
+        (Key::E, "curve.csv", "subject,x,y"),
+        (Key::E, "curve.svg", "<svg"),
+        (Key::S, "p.exr", "v/1"),
+    ] {
         let path = folder.path().join(name);
         window.harness.key_press_modifiers(Modifiers::COMMAND, key);
         window.harness.run_steps(4);
         let hint = if key == Key::E { ".csv: every number" } else { ".png: 8-bit sRGB" };
-        let field = window
-            .harness
-            .get_by(|node| node.label().is_some_and(|l| l.starts_with(hint)) && node.value().is_some());
+        let field = window.harness.get_by(|node| {
+            node.label().is_some_and(|l| l.starts_with(hint)) && node.value().is_some()
+        });
         field.set_text_value_accesskit(&path.display().to_string());
         window.harness.run_steps(2);
         window.harness.get_by_label("Save").click();

@@ -56,8 +56,7 @@ pub fn run(
         Control { clock: if args.timing { Some(&clock) } else { None }, ..progress.control() };
     let (result, stop) = match args.until.as_deref().map(plan::until).transpose()? {
         Some(until) => {
-            let (result, stop) =
-                study_until(integrand, pixel, &plan, until, control, &mut |_| {})?;
+            let (result, stop) = study_until(integrand, pixel, &plan, until, control, &mut |_| {})?;
             (result, Some(stop))
         }
         None => (study(integrand, pixel, &plan, control)?, None),

@@ -60,7 +60,10 @@ pub fn draw(title: &str, found: &Needed) -> Svg {
         let x = 28.0 + i as f64 * (SIDE + GAP);
         let area = Rect { x, y: 72.0, w: SIDE, h };
         svg.text([x, 62.0], plain(13.0, INK), name);
-        svg.image(area, Raster { size: found.size, rgb: found.pixels.iter().map(colour).collect() });
+        svg.image(
+            area,
+            Raster { size: found.size, rgb: found.pixels.iter().map(colour).collect() },
+        );
         svg.outline(area, Stroke::solid("#bbbbbb", 1.0));
         let bar = Rect { x: x + SIDE + 10.0, w: 14.0, ..area };
         let ticks = if i == 0 { n_ticks(most) } else { error_ticks() };

@@ -22,12 +22,8 @@ pub fn chart(title: &str, result: &TradeResult) -> Svg {
         svg.marker([45.0, y], style.marker, style.colour);
         svg.text([72.0, y + 4.5], plain(13.0, INK), &legend(sampler));
     }
-    let shown: Vec<_> = result
-        .samplers
-        .iter()
-        .flat_map(|s| &s.rows)
-        .filter(|row| row.error.rmse > 0.0)
-        .collect();
+    let shown: Vec<_> =
+        result.samplers.iter().flat_map(|s| &s.rows).filter(|row| row.error.rmse > 0.0).collect();
     let targets: Vec<_> = result.choices.iter().map(|choice| choice.error).collect();
     let times = bounds(shown.iter().map(|row| row.ns_per_estimate.median));
     let errors = bounds(shown.iter().map(|row| row.error.rmse).chain(targets.iter().copied()));

@@ -193,7 +193,10 @@ mod tests {
         assert!((found.exponents[1] - 2.5).abs() < 1e-3, "{found:?}");
         assert!((found.n_equal - 50.0).abs() < 0.5, "{found:?}");
         assert!(found.chi2 < 1e-3 && found.aicc_gain > 100.0);
-        assert!((found.variance_at(7.0) / (0.02 * 7f64.powf(-1.5) + 7f64.powf(-2.5)) - 1.0).abs() < 1e-4);
+        assert!(
+            (found.variance_at(7.0) / (0.02 * 7f64.powf(-1.5) + 7f64.powf(-2.5)) - 1.0).abs()
+                < 1e-4
+        );
     }
 
     #[test]

@@ -113,8 +113,9 @@ mod tests {
 
     #[test]
     fn noisy_rows_pull_less() {
-        let mut rows: Vec<_> =
-            (1..=16).map(|k| row(k * k, 1.0 / (k * k) as f64, Noise::ChiSquare { dof: 49.0 })).collect();
+        let mut rows: Vec<_> = (1..=16)
+            .map(|k| row(k * k, 1.0 / (k * k) as f64, Noise::ChiSquare { dof: 49.0 }))
+            .collect();
         rows[0] = row(1, 20.0, Noise::ChiSquare { dof: 1.0 });
         let weighted = weighted_fit(&rows).unwrap();
         rows[0].noise = Noise::ChiSquare { dof: 49.0 };
@@ -124,8 +125,9 @@ mod tests {
 
     #[test]
     fn rows_without_noise_make_a_plain_line_without_error() {
-        let rows: Vec<_> =
-            (1..=5).map(|k| row(k, (k as f64).powi(-2) * (1.0 + 0.01 * k as f64), Noise::None)).collect();
+        let rows: Vec<_> = (1..=5)
+            .map(|k| row(k, (k as f64).powi(-2) * (1.0 + 0.01 * k as f64), Noise::None))
+            .collect();
         let fit = weighted_fit(&rows).unwrap();
         assert!(fit.std_error == 0.0 && fit.chi2.is_nan() && fit.p_value().is_none());
         assert!(weighted_fit(&rows[..1]).is_none() && weighted_fit(&[]).is_none());

@@ -59,8 +59,7 @@ impl Inside {
         for (at, value) in (0u64..).zip(&self.values) {
             // The stratum of the point's centre, (i + 1/2) / side.
             let cell = |i: u64, n: u64| ((2 * i + 1) * n / (2 * side)) as usize;
-            let sum =
-                &mut sums[cell(at / side, down) * across as usize + cell(at % side, across)];
+            let sum = &mut sums[cell(at / side, down) * across as usize + cell(at % side, across)];
             let f = value - pivot;
             *sum = [sum[0] + 1.0, sum[1] + f, sum[2] + f * f];
         }
@@ -82,8 +81,10 @@ mod tests {
 
     fn of(side: u32, f: impl Fn(f64, f64) -> f64) -> Inside {
         let at = |i: u32| (f64::from(i) + 0.5) / f64::from(side);
-        let values: Vec<f64> =
-            (0..side).flat_map(|y| (0..side).map(move |x| (x, y))).map(|(x, y)| f(at(x), at(y))).collect();
+        let values: Vec<f64> = (0..side)
+            .flat_map(|y| (0..side).map(move |x| (x, y)))
+            .map(|(x, y)| f(at(x), at(y)))
+            .collect();
         Inside { side, rgb: values.iter().map(|v| [*v; 3]).collect(), values }
     }
 

@@ -211,7 +211,10 @@ fn distinct(rows: &[Row]) -> Vec<&Row> {
 
 fn weighted_rows(rows: &[&Row]) -> Vec<WeightedRow> {
     let varying = rows.iter().filter(|row| row.variance_of_mean > 0.0);
-    let row =
-        |row: &&Row| WeightedRow { n: row.n_used, variance: row.variance_of_mean, noise: row.noise };
+    let row = |row: &&Row| WeightedRow {
+        n: row.n_used,
+        variance: row.variance_of_mean,
+        noise: row.noise,
+    };
     varying.map(row).collect()
 }

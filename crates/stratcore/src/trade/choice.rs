@@ -77,9 +77,9 @@ pub(super) fn mark_pareto(samplers: &mut [SamplerTrade]) {
         .collect();
     for row in samplers.iter_mut().flat_map(|s| &mut s.rows) {
         let own = [row.ns_per_estimate.median, row.error.mse];
-        row.pareto = !points.iter().any(|p| {
-            p[0] <= own[0] && p[1] <= own[1] && (p[0] < own[0] || p[1] < own[1])
-        });
+        row.pareto = !points
+            .iter()
+            .any(|p| p[0] <= own[0] && p[1] <= own[1] && (p[0] < own[0] || p[1] < own[1]));
     }
 }
 
@@ -100,9 +100,8 @@ pub(super) fn choose(
         })
         .collect();
     let time = |i: &usize| reach[*i].ns.map_or(f64::INFINITY, |ns| ns.median);
-    let best = (0..reach.len())
-        .filter(|i| time(i).is_finite())
-        .min_by(|a, b| time(a).total_cmp(&time(b)));
+    let best =
+        (0..reach.len()).filter(|i| time(i).is_finite()).min_by(|a, b| time(a).total_cmp(&time(b)));
     let by_eval_cost = by_eval_cost(&reach);
     Choice { target, error, reach, best, by_eval_cost, confirmation: None }
 }
@@ -191,15 +190,15 @@ fn by_eval_cost(reach: &[Reach]) -> Vec<Fastest> {
         .collect();
     let time = |way: &(usize, f64, f64), cost: f64| way.1 * (way.2 + cost);
     let by_n = |a: &&(usize, f64, f64), b: &&(usize, f64, f64)| a.1.total_cmp(&b.1);
-    let first =
-        ways.iter().min_by(|a, b| time(a, 0.0).total_cmp(&time(b, 0.0)).then(by_n(a, b)));
+    let first = ways.iter().min_by(|a, b| time(a, 0.0).total_cmp(&time(b, 0.0)).then(by_n(a, b)));
     let mut envelope = Vec::new();
     let mut next = first.map(|way| (0.0, way));
     while let Some((from_ns, now)) = next {
         envelope.push(Fastest { from_ns, sampler: now.0 });
         let fewer = ways.iter().filter(|way| way.1 < now.1);
         // Where the two lines cross.
-        let crossing = |way: &(usize, f64, f64)| (time(way, 0.0) - time(now, 0.0)) / (now.1 - way.1);
+        let crossing =
+            |way: &(usize, f64, f64)| (time(way, 0.0) - time(now, 0.0)) / (now.1 - way.1);
         next = fewer
             .map(|way| (crossing(way).max(from_ns), way))
             .min_by(|a, b| a.0.total_cmp(&b.0).then(by_n(&a.1, &b.1)));

@@ -118,8 +118,7 @@ pub fn needed(
     control: Control<'_>,
 ) -> Result<Needed, StudyError> {
     let [width, height] = scene.scene().camera.resolution;
-    let pixels: Vec<[u32; 2]> =
-        (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).collect();
+    let pixels: Vec<[u32; 2]> = (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).collect();
     let of_one = StudyPlan { samplers: vec![plan.sampler], ..plan.study.clone() };
     let dim = 2;
     let curves: Vec<SamplerResult> = pixels
@@ -135,7 +134,11 @@ pub fn needed(
     let admitted = |n: u64| {
         let rectangular = plan.study.count_policy == CountPolicy::Rect;
         let sampler = plan.sampler.sampler;
-        if sampler.admits(n, dim, rectangular) { n } else { sampler.neighbours(n, dim).1.unwrap_or(n) }
+        if sampler.admits(n, dim, rectangular) {
+            n
+        } else {
+            sampler.neighbours(n, dim).1.unwrap_or(n)
+        }
     };
     let needs: Vec<(u64, Need)> =
         curves.iter().map(|curve| need(curve, error, plan.most, &admitted)).collect();

@@ -75,7 +75,8 @@ pub fn look(
             }
         };
         let seen = magnified.map_err(|error| error.to_string()).and_then(|inside| {
-            let (n_used, points, strata) = points(&asked, traced.pixel(asked.pixel, asked.channel).dim())?;
+            let (n_used, points, strata) =
+                points(&asked, traced.pixel(asked.pixel, asked.channel).dim())?;
             let shares = strata.map_or_else(Vec::new, |strata| inside.variance_shares(strata));
             Ok(Seen { inside, asked, n_used, points, strata, shares })
         });

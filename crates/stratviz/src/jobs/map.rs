@@ -136,7 +136,10 @@ mod tests {
         all.sort_unstable();
         all.dedup();
         assert_eq!(all.len(), 37 * 21);
-        assert_eq!([16, 8, 4, 2, 1].map(|s| lattice([37, 21], s).count()).iter().sum::<usize>(), 37 * 21);
+        assert_eq!(
+            [16, 8, 4, 2, 1].map(|s| lattice([37, 21], s).count()).iter().sum::<usize>(),
+            37 * 21
+        );
     }
 
     #[test]
@@ -145,7 +148,8 @@ mod tests {
         scene.camera.resolution = [12, 12];
         let traced = Arc::new(TracedScene::new(scene));
         let samplers = vec![SamplerChoice::named("jittered").unwrap()];
-        let plan = StudyPlan { samplers, counts: vec![1, 4, 16], n_trials: 10, ..StudyPlan::paper() };
+        let plan =
+            StudyPlan { samplers, counts: vec![1, 4, 16], n_trials: 10, ..StudyPlan::paper() };
         let (sender, rung) = mpsc::channel();
         let wake: Wake = Arc::new(move || drop(sender.send(())));
         let channel = Channel::Luminance;

@@ -61,7 +61,9 @@ pub fn study_job(
             .map_err(|error| error.to_string())
         };
         let ended = match &subject {
-            Subject::Pixel { traced, pixel, channel } => run(&traced.pixel(*pixel, *channel), *pixel),
+            Subject::Pixel { traced, pixel, channel } => {
+                run(&traced.pixel(*pixel, *channel), *pixel)
+            }
             Subject::Integrand { name, dim, params } => {
                 integrand::by_name(name, Some(*dim), params)
                     .map_err(|error| error.to_string())
@@ -97,7 +99,8 @@ mod tests {
         let (sender, rung) = mpsc::channel();
         let wake: Wake = Arc::new(move || drop(sender.send(())));
         let plan = StudyPlan { n_trials: 400, ..StudyPlan::paper() };
-        let mut job = study_job(subject, move |_| Ok(plan.clone()), until, &RightOfWay::default(), wake);
+        let mut job =
+            study_job(subject, move |_| Ok(plan.clone()), until, &RightOfWay::default(), wake);
         let mut updates = Vec::new();
         while job.standing() == Standing::Running {
             rung.recv().unwrap();

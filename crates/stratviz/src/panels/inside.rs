@@ -51,7 +51,8 @@ impl InsidePanel {
     }
 
     fn paint(&mut self, ui: &Ui, painter: &Painter, area: Rect, seen: &Seen) {
-        let is_known = self.texture.as_ref().is_some_and(|(known, _)| Arc::ptr_eq(known, &seen.inside));
+        let is_known =
+            self.texture.as_ref().is_some_and(|(known, _)| Arc::ptr_eq(known, &seen.inside));
         if !is_known {
             let image = shown(&seen.inside);
             let texture = ui.ctx().load_texture("inside", image, TextureOptions::NEAREST);

@@ -2,9 +2,7 @@
 
 use super::colours::{MISSING, SAMPLES_SCALE, class_colour, exponent_colour, samples_colour};
 use crate::state::{Overlay, State};
-use eframe::egui::{
-    Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, StrokeKind, pos2, vec2,
-};
+use eframe::egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Stroke, StrokeKind, pos2, vec2};
 use stratcore::theory::Class;
 
 const ROW: f32 = 18.0;

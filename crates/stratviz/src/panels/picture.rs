@@ -246,7 +246,8 @@ fn map_button(ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
     }
     match &model.map_progress {
         Progress::Running(share) => {
-            let command = clicked(ui, "Cancel map", "keep what is finished (M)", Command::CancelMap);
+            let command =
+                clicked(ui, "Cancel map", "keep what is finished (M)", Command::CancelMap);
             ui.add(egui::ProgressBar::new(*share).desired_width(90.0).show_percentage());
             command
         }

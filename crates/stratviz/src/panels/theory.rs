@@ -100,13 +100,9 @@ mod tests {
     #[test]
     fn the_formula_is_written_with_its_numbers() {
         let integrand = stratcore::integrand::by_name("step", Some(2), &[]).unwrap();
-        let result =
-            study(&*integrand, [0, 0], &StudyPlan::paper(), Control::unwatched()).unwrap();
-        let sentences: Vec<_> = result
-            .samplers
-            .iter()
-            .filter_map(|s| sentence(s, 2, integrand.regularity()))
-            .collect();
+        let result = study(&*integrand, [0, 0], &StudyPlan::paper(), Control::unwatched()).unwrap();
+        let sentences: Vec<_> =
+            result.samplers.iter().filter_map(|s| sentence(s, 2, integrand.regularity())).collect();
         assert!(sentences[0].ends_with("against 1 = 1 in any dimension"), "{sentences:?}");
         assert!(
             sentences[1].ends_with("against 1.5 = min(1 + 2/d, 2 - k/d) with d = 2, k = 1"),

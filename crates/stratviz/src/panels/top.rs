@@ -32,7 +32,9 @@ pub fn ui(ui: &mut Ui, state: &State, model: &Model) -> Option<Wish> {
             wish = Some(Wish::Do(Command::ShowHelp(true)));
         }
         ui.separator();
-        for (page, words) in [(Page::Pixel, "Pixel"), (Page::Theory, "Theory"), (Page::Trade, "Trade")] {
+        for (page, words) in
+            [(Page::Pixel, "Pixel"), (Page::Theory, "Theory"), (Page::Trade, "Trade")]
+        {
             if ui.selectable_label(state.page == page, words).clicked() {
                 wish = Some(Wish::Do(Command::ShowPage(page)));
             }

@@ -89,10 +89,7 @@ fn ways(ui: &mut Ui, choice: &Choice) {
         }
         ui.end_row();
         for reach in &choice.reach {
-            ui.colored_label(
-                colours::sampler(reach.name, ui.visuals().dark_mode),
-                reach.name,
-            );
+            ui.colored_label(colours::sampler(reach.name, ui.visuals().dark_mode), reach.name);
             ui.label(reach.n_safe.map_or_else(dash, |n| n.to_string()));
             ui.label(reach.ns.map_or_else(dash, |ns| time(ns.median)));
             ui.label(if reach.extrapolated { "beyond what was measured" } else { "" });

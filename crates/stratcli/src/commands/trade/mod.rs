@@ -147,8 +147,7 @@ fn measure(
         }
         None => None,
     };
-    let progress =
-        Progress::new("measuring", samples(&plan.study, dim, subjects.len())?, common);
+    let progress = Progress::new("measuring", samples(&plan.study, dim, subjects.len())?, common);
     let start = Instant::now();
     let result = trade(subjects, &plan, &|| start.elapsed(), progress.control())?;
     drop(progress);
@@ -165,7 +164,13 @@ fn measure(
     let written = match page {
         Some((file, path)) => {
             let tables = words::tables(&result);
-            let html = figures::page(&about.title, &chart, &recommendations, &words::method(&result), &tables);
+            let html = figures::page(
+                &about.title,
+                &chart,
+                &recommendations,
+                &words::method(&result),
+                &tables,
+            );
             file.commit(html.as_bytes())?;
             format!("\n{}\n", path.display())
         }

@@ -56,8 +56,15 @@ pub fn run(scene: Scene, path: &Path, args: &TradeArgs, common: &Common) -> Resu
 
     let sampler = plan.sampler.sampler.name();
     let (trials, seed) = (plan.study.n_trials, plan.study.seed);
-    let document =
-        Document { scene: &name, sampler, trials, seed, output: path, picture: &png, needed: &found };
+    let document = Document {
+        scene: &name,
+        sampler,
+        trials,
+        seed,
+        output: path,
+        picture: &png,
+        needed: &found,
+    };
     let comments = serde_json::to_string(&document)?;
     let column = |of: fn(&stratcore::trade::needed::PixelNeed) -> f64| -> Vec<f32> {
         found.pixels.iter().map(|pixel| of(pixel) as f32).collect()

@@ -63,11 +63,7 @@ pub fn recommendation(choice: &Choice, result: &TradeResult) -> String {
             (Some(m), Some(other_ns)) => {
                 let ratio = other_ns.median / ns.median;
                 let tie = if overlap(other_ns, ns) { ", the same within the noise" } else { "" };
-                format!(
-                    " {} needs N = {m} and {} times as long{tie}.",
-                    of(other),
-                    number(ratio, 2)
-                )
+                format!(" {} needs N = {m} and {} times as long{tie}.", of(other), number(ratio, 2))
             }
             _ => format!(" {} does not reach it.", of(other)),
         };
@@ -105,12 +101,26 @@ fn overlap(a: Quartiles, b: Quartiles) -> bool {
 /// One table per sampler, one per target.
 pub fn tables(result: &TradeResult) -> Vec<Table> {
     let curves = result.samplers.iter().map(|sampler| {
-        let head = ["N", "RMS error", "95 % interval", "95 of 100 within", "ns/sample", "points",
-            "one estimate", "efficiency", "Pareto"];
+        let head = [
+            "N",
+            "RMS error",
+            "95 % interval",
+            "95 of 100 within",
+            "ns/sample",
+            "points",
+            "one estimate",
+            "efficiency",
+            "Pareto",
+        ];
         let rows = sampler.rows.iter().map(|row| {
             let (error, time_of) = (&row.error, &row.time);
             let ns = |q: &Quartiles| {
-                format!("{} ({} to {})", number(q.median, 3), number(q.lower, 3), number(q.upper, 3))
+                format!(
+                    "{} ({} to {})",
+                    number(q.median, 3),
+                    number(q.lower, 3),
+                    number(q.upper, 3)
+                )
             };
             vec![
                 error.n.to_string(),
@@ -144,7 +154,8 @@ pub fn tables(result: &TradeResult) -> Vec<Table> {
             ]
         });
         let body = std::iter::once(head.map(str::to_owned).to_vec()).chain(rows).collect();
-        let title = format!("error {}, which is {}", target(choice.target), number(choice.error, 4));
+        let title =
+            format!("error {}, which is {}", target(choice.target), number(choice.error, 4));
         (title, body)
     });
     curves.chain(choices).collect()
