@@ -10,7 +10,9 @@ use stratcore::theory::{Basis, Class};
 /// Which side of a column its cells stand at.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Align {
+    /// At its left.
     Left,
+    /// At its right.
     Right,
 }
 

@@ -27,22 +27,18 @@ struct Curve<'a> {
 /// study.
 pub fn ui(ui: &mut Ui, id: &str, studies: &[&Study]) {
     let dark = ui.visuals().dark_mode;
-    let curve = |i: usize, sampler, is_kept| {
-        let SamplerResult { name, .. } = sampler;
-        let colour = colours::sampler(name, dark);
-        let marker = if studies.len() > 1 { nth_marker(i) } else { marker_of(name) };
-        let colour = if is_kept { colour.gamma_multiply(0.45) } else { colour };
-        Curve { sampler, colour, marker, is_kept }
-    };
-    let curves: Vec<_> = studies
-        .iter()
-        .enumerate()
-        .flat_map(|(i, study)| {
-            let kept = study.kept.iter().map(move |(s, _)| curve(i, s, true));
-            let current = study.result.iter().flat_map(|result| &result.samplers);
-            kept.chain(current.map(move |s| curve(i, s, false)))
-        })
-        .collect();
+    let mut curves = Vec::new();
+    for (i, study) in studies.iter().enumerate() {
+        let kept = study.kept.iter().map(|(sampler, _)| (sampler, true));
+        let current = study.result.iter().flat_map(|result| &result.samplers);
+        for (sampler, is_kept) in kept.chain(current.map(|sampler| (sampler, false))) {
+            let colour = colours::sampler(sampler.name, dark);
+            let colour = if is_kept { colour.gamma_multiply(0.45) } else { colour };
+            let several = studies.len() > 1;
+            let marker = if several { nth_marker(i) } else { marker_of(sampler.name) };
+            curves.push(Curve { sampler, colour, marker, is_kept });
+        }
+    }
     let dim = studies.iter().find_map(|study| study.result.as_ref()).map_or(2, |r| r.dim);
     let muted = ui.visuals().weak_text_color();
     Plot::new(id)
