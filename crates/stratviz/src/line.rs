@@ -175,11 +175,11 @@ pub fn open(text: &str, state: &State) -> Result<State, String> {
 
 /// A line names its trials, and all of them are run.
 fn read_study(study: &mut StudyWords, args: &StudyArgs) {
-    study.samplers = args.samplers.iter().map(|name| name.trim().to_owned()).collect();
-    study.counts = args.counts.clone().unwrap_or_default();
-    study.trials = args.trials;
+    study.samplers = args.protocol.samplers.iter().map(|name| name.trim().to_owned()).collect();
+    study.counts = args.protocol.counts.clone().unwrap_or_default();
+    study.trials = args.protocol.trials;
     study.until = 0.0;
-    study.n_policy = match args.n_policy {
+    study.n_policy = match args.protocol.n_policy {
         NPolicy::Error => CountPolicy::Error,
         NPolicy::Snap => CountPolicy::Snap,
         NPolicy::Rect => CountPolicy::Rect,

@@ -4,7 +4,7 @@ use crate::error::StudyError;
 use crate::sampler::{self, CountPolicy, Jittered, Sampler, Scramble};
 
 /// A study in words: samplers × sample counts × trials.
-#[derive(Clone)]
+#[derive(Debug, Clone)]
 pub struct StudyPlan {
     /// The samplers compared, each with its scramble.
     pub samplers: Vec<SamplerChoice>,
@@ -25,6 +25,13 @@ pub struct SamplerChoice {
     pub sampler: &'static dyn Sampler,
     /// Its scramble.
     pub scramble: Scramble,
+}
+
+/// As typed: `sobol+owen`.
+impl std::fmt::Debug for SamplerChoice {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}+{}", self.sampler.name(), self.scramble)
+    }
 }
 
 impl SamplerChoice {
