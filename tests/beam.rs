@@ -230,8 +230,7 @@ fn lighting(traced: &TracedScene, side: u32, n: usize) -> Tally {
         let reference = Reference::new(scene, *pixel);
         let points = places(u64::from(pixel[0]) << 32 | u64::from(pixel[1]), n);
         let values = values_of(&beam_of(traced, *pixel, Channel::Luminance), &points);
-        let hits: Vec<_> =
-            points.chunks_exact(2).map(|p| reference.hit([p[0], p[1]])).collect();
+        let hits: Vec<_> = points.chunks_exact(2).map(|p| reference.hit([p[0], p[1]])).collect();
         // What may stand between the light and any point that is seen.
         let eye = scene.camera.eye;
         let point_of = |place: [f64; 2], t: f64| eye + reference.direction(place) * t;
@@ -272,7 +271,8 @@ fn lighting(traced: &TracedScene, side: u32, n: usize) -> Tally {
                 });
             let material = &scene.materials[mesh.materials[id as usize] as usize];
             Channel::Luminance.of(std::array::from_fn(|i| {
-                let direct = if blocked { 0.0 } else { intensity[i] * cosine / to_light.length_squared() };
+                let direct =
+                    if blocked { 0.0 } else { intensity[i] * cosine / to_light.length_squared() };
                 material.ke[i] + material.kd[i] * (scene.ambient[i] + direct)
             }))
         };
@@ -312,7 +312,10 @@ fn every_sample_sees_the_triangle_that_brute_force_sees() {
 
 #[test]
 fn every_sample_is_lit_as_brute_force_says() {
-    check("classic-shadows", lighting(&TracedScene::new(load("classic-shadows").unwrap()), 8, 1000));
+    check(
+        "classic-shadows",
+        lighting(&TracedScene::new(load("classic-shadows").unwrap()), 8, 1000),
+    );
 }
 
 /// Over 10^8 samples on three scenes, and on those named in STRAT_TEST_SCENES, colon-separated:
@@ -328,7 +331,10 @@ fn a_hundred_million_samples_see_what_brute_force_sees() {
         all = all.plus(tally);
         check(name, tally);
     };
-    report("classic-shadows", lighting(&TracedScene::new(load("classic-shadows").unwrap()), 32, 32_000));
+    report(
+        "classic-shadows",
+        lighting(&TracedScene::new(load("classic-shadows").unwrap()), 32, 32_000),
+    );
     for name in names {
         report(name, visibility(&traced(name), 32, 34_000));
     }

@@ -102,7 +102,6 @@ impl Facet {
 /// share the edge, so that their functions cancel exactly, and -1 where that turns it round.
 pub(super) fn ordered_edges(corner: &[DVec3; 3]) -> [(usize, usize, f64); 3] {
     let key = |i: usize| (corner[i].x, corner[i].y, corner[i].z);
-    [(0, 1), (1, 2), (2, 0)].map(|(from, to)| {
-        if key(from) < key(to) { (from, to, 1.0) } else { (to, from, -1.0) }
-    })
+    [(0, 1), (1, 2), (2, 0)]
+        .map(|(from, to)| if key(from) < key(to) { (from, to, 1.0) } else { (to, from, -1.0) })
 }

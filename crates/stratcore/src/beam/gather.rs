@@ -38,8 +38,8 @@ impl Frustum {
     #[inline(always)]
     pub fn rows_of(&self, corners: &[DVec3; 3]) -> Option<[f64; 2]> {
         // Seen at (x, y) / z.
-        let [a, b, c] = corners
-            .map(|p| DVec3::new(p.dot(self.columns), p.dot(self.rows), p.dot(self.forward)));
+        let [a, b, c] =
+            corners.map(|p| DVec3::new(p.dot(self.columns), p.dot(self.rows), p.dot(self.forward)));
         let size = a.abs().max(b.abs()).max(c.abs()).max_element() + self.terms(corners);
         let slack = -1e-12 * size;
         let outside = |side: fn(DVec3) -> f64| side(a).max(side(b)).max(side(c)) < slack;

@@ -119,7 +119,8 @@ macro_rules! compiled_for {
                 exact: Exact<'_>,
             ) {
                 let mut groups = Group::<V>::all(trials, sums.len());
-                let (next, cancel) = (|work: &mut Work| next_pieces(pixel, grid, work), trials.cancel);
+                let (next, cancel) =
+                    (|work: &mut Work| next_pieces(pixel, grid, work), trials.cancel);
                 shaded!(
                     V,
                     strata::strata_sums(pixel, grid, &mut groups, work, next, exact, cancel)
@@ -140,9 +141,7 @@ macro_rules! compiled_for {
                 let (cancel, n_trials) = (trials.cancel, sums.len());
                 shaded!(
                     V,
-                    scatter::scattered_sums(
-                        pixel, cells, n, &mut groups, n_trials, exact, cancel
-                    )
+                    scatter::scattered_sums(pixel, cells, n, &mut groups, n_trials, exact, cancel)
                 );
                 Group::store(&groups, sums);
             }

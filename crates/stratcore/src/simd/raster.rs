@@ -112,7 +112,17 @@ impl Tile {
             let spans = Spans::new(&facet.lanes, half, slack);
             work.probes.push(Probe { spans, entry: at, w_hi: facet.w_hi, rows: facet.rows });
         }
-        Self { rect: *rect, width, n_strata, next: 0, list, s, t, half, n_occluders: work.occluders.len() }
+        Self {
+            rect: *rect,
+            width,
+            n_strata,
+            next: 0,
+            list,
+            s,
+            t,
+            half,
+            n_occluders: work.occluders.len(),
+        }
     }
 
     /// Overwrites the work's pieces with the next strata, [`MAX_LANES`] of them under every
@@ -159,8 +169,8 @@ impl Tile {
                 lens[l] += 1;
             }
         }
-        for l in 0..n {
-            let run = l * room..l * room + lens[l];
+        for (l, len) in lens[..n].iter().enumerate() {
+            let run = l * room..l * room + len;
             // Each entry's bound becomes that of all from it on.
             let mut farthest = 0.0f32;
             for entry in list[run.clone()].iter_mut().rev() {

@@ -96,4 +96,3 @@ fn settle<V: Vector>(lanes: u32, list: &[Entry], value: V, s: V, t: V, exact: Ex
 fn least_of_three<V: Vector>(functions: &Lanes4, s: V, t: V) -> V {
     affine(functions, 0, s, t).min(affine(functions, 1, s, t)).min(affine(functions, 2, s, t))
 }
-
