@@ -64,10 +64,11 @@ impl StreamKey {
         let base = Self { trial: 0, ..*self }.counter();
         // The trial's 32 bits lie across two words of the counter.
         let mut counter = base.map(|word| [word; L]);
-        for l in 0..L {
-            let trial = first.wrapping_add(l as u32);
-            counter[1][l] |= trial << 24;
-            counter[2][l] |= trial >> 8;
+        let [_, low, high, _] = &mut counter;
+        for (at, (low, high)) in (0..).zip(low.iter_mut().zip(high)) {
+            let trial = first.wrapping_add(at);
+            *low |= trial << 24;
+            *high |= trial >> 8;
         }
         let mut key = [self.seed as u32, (self.seed >> 32) as u32];
         for _ in 0..10 {

@@ -64,11 +64,11 @@ pub(super) fn start(pixel: &Pixel32, strata: &Strata, work: &mut Work) {
 pub(super) fn next_pieces<V: Vector>(pixel: &Pixel32, strata: &Strata, work: &mut Work) -> bool {
     work.pieces.clear();
     loop {
-        if let Some(mut tile) = work.tile.take() {
-            if tile.draw::<V>(pixel, work) {
-                work.tile = Some(tile);
-                return true;
-            }
+        if let Some(mut tile) = work.tile.take()
+            && tile.draw::<V>(pixel, work)
+        {
+            work.tile = Some(tile);
+            return true;
         }
         let Some(rect) = work.stack.pop() else { return false };
         let Work { entries, occluders, stack, pieces, .. } = &mut *work;

@@ -169,8 +169,8 @@ impl Tile {
                 lens[l] += 1;
             }
         }
-        for l in 0..n {
-            let run = l * room..l * room + lens[l];
+        for (l, len) in lens[..n].iter().enumerate() {
+            let run = l * room..l * room + len;
             // Each entry's bound becomes that of all from it on.
             let mut farthest = 0.0f32;
             for entry in list[run.clone()].iter_mut().rev() {
