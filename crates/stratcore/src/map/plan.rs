@@ -232,7 +232,7 @@ mod tests {
     use crate::scene::{Filter, FilterMethod, FilterShape, load};
 
     fn identity(change: impl FnOnce(&mut MapPlan, &mut Scene)) -> Identity {
-        let mut scene = load("classic").unwrap();
+        let mut scene = load("edges").unwrap();
         let region = Region { x0: 1, y0: 2, x1: 9, y1: 9 };
         let mut plan = MapPlan {
             study: StudyPlan::paper(),
@@ -258,8 +258,8 @@ mod tests {
             ("region", |plan, _| plan.region.x1 = 10),
             ("channel", |plan, _| plan.channel = Channel::R),
             ("exact", |plan, _| plan.exact = true),
-            ("scene_hash", |_, scene| scene.mesh.positions[5].x += 1e-9),
-            ("scene_hash", |_, scene| scene.materials[2].kd[1] *= 0.5),
+            ("scene_hash", |_, scene| scene.mesh.positions[0].x += 0.125),
+            ("scene_hash", |_, scene| scene.materials[0].kd[1] += 0.125),
             ("scene_hash", |_, scene| scene.distribution.specular_depth = 1),
             ("scene_hash", |_, scene| {
                 scene.filter = Some(Filter::new(FilterShape::Tent, 1.0, FilterMethod::default()));
