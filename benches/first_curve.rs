@@ -40,7 +40,7 @@ fn by_rays(bencher: Bencher<'_, '_>, pixel: (&str, [u32; 2])) {
 fn first_curve(bencher: Bencher<'_, '_>, tracer: usize, (scene, pixel): (&str, [u32; 2])) {
     let scenes = if scene == "grass" { &GRASS } else { &EDGES };
     let traced = &scenes[tracer];
-    let samplers = ["random", "jittered", "sobol", "pmj02"];
+    let samplers = ["random", "jittered", "sobol", "halton"];
     let samplers: Vec<_> =
         samplers.iter().filter_map(|name| SamplerChoice::named(name).ok()).collect();
     let plan = StudyPlan { samplers, count_policy: CountPolicy::Snap, ..StudyPlan::paper() };

@@ -30,6 +30,7 @@ pub struct App {
     dialog: Option<Dialog>,
     help: bool,
     cpu_clock: Option<Duration>,
+    drawing: Duration,
 }
 
 impl App {
@@ -45,6 +46,7 @@ impl App {
             dialog: None,
             help: false,
             cpu_clock: None,
+            drawing: Duration::ZERO,
         };
         app.work.load(&app.state.scene, &mut app.model);
         app
@@ -68,7 +70,8 @@ impl App {
     /// Draws everything, then obeys.
     pub fn ui(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
-        self.measure_frame();
+        let start = thread_cpu_time();
+        self.measure_frame(start);
         let theme = if self.state.dark { Theme::Dark } else { Theme::Light };
         ctx.set_theme(theme);
         let mut wishes = if self.dialog.is_none() && !self.help {
@@ -83,6 +86,9 @@ impl App {
                 Wish::Ask(dialog) => self.dialog = Some(dialog),
                 Wish::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
             }
+        }
+        if let (Some(start), Some(end)) = (start, thread_cpu_time()) {
+            self.drawing = end.saturating_sub(start);
         }
     }
 
@@ -101,7 +107,7 @@ impl App {
         });
         if state.page == Page::Pixel {
             let height = ui.available_height();
-            let bottom = egui::Panel::bottom("inside").resizable(true).default_size(height * 0.36);
+            let bottom = egui::Panel::bottom("inside").resizable(true).default_size(height * 0.34);
             bottom.size_range(120.0..=height * 0.7).show(ui, |ui| {
                 commands.extend(self.inside.ui(ui, state, model));
             });
@@ -313,11 +319,11 @@ impl App {
         }
     }
 
-    /// CPU time of this thread since the last frame began.
-    fn measure_frame(&mut self) {
-        let now = thread_cpu_time();
+    /// Notes the CPU time of this thread since the last frame began, and the part of it that
+    /// went into the panels.
+    fn measure_frame(&mut self, now: Option<Duration>) {
         if let (Some(before), Some(now)) = (self.cpu_clock, now) {
-            self.model.frame_times.push(now.saturating_sub(before));
+            self.model.frame_times.push([self.drawing, now.saturating_sub(before)]);
         }
         self.cpu_clock = now;
     }

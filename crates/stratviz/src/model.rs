@@ -185,24 +185,25 @@ impl Layer<Option<Studied>> {
 /// The last frame times.
 #[derive(Debug, Clone, Default)]
 pub struct FrameTimes {
-    times: std::collections::VecDeque<Duration>,
+    times: std::collections::VecDeque<[Duration; 2]>,
 }
 
 impl FrameTimes {
     /// Frames that are remembered.
     const MOST: usize = 120;
 
-    /// Adds one.
-    pub fn push(&mut self, time: Duration) {
-        self.times.push_back(time);
+    /// Adds a frame: what the panels took, and the whole with tessellation and painting.
+    pub fn push(&mut self, times: [Duration; 2]) {
+        self.times.push_back(times);
         if self.times.len() > Self::MOST {
             self.times.pop_front();
         }
     }
 
-    /// The last, and the longest of those remembered.
-    pub fn last_and_longest(&self) -> Option<[Duration; 2]> {
-        Some([*self.times.back()?, *self.times.iter().max()?])
+    /// The longest of those remembered: of the panels, and of the whole frame.
+    pub fn longest(&self) -> Option<[Duration; 2]> {
+        let longest = |part: usize| self.times.iter().map(|times| times[part]).max();
+        Some([longest(0)?, longest(1)?])
     }
 }
 

@@ -149,7 +149,7 @@ impl Default for State {
 impl Default for StudyWords {
     fn default() -> Self {
         Self {
-            samplers: ["random", "jittered", "sobol", "pmj02"].map(str::to_owned).to_vec(),
+            samplers: ["random", "jittered", "sobol", "halton"].map(str::to_owned).to_vec(),
             counts: String::new(),
             n_policy: CountPolicy::Snap,
             trials: 4000,

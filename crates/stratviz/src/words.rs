@@ -69,14 +69,18 @@ fn cost(result: &StudyResult, error: f64) -> Option<String> {
         .collect();
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (best, sampler) = costs.first()?;
-    let n = |n: f64| number(n.ceil(), if n < 1e3 { 3 } else { 2 });
-    let mut text = format!("{} samples of {} reach error {error}", n(*best), sampler.name);
+    let mut text = format!("{} samples of {} reach error {error}", count(*best), sampler.name);
     if let Some((random, _)) =
         costs.iter().find(|(_, s)| s.name == "random" && sampler.name != "random")
     {
-        text += &format!("; random needs {}", n(*random));
+        text += &format!("; random needs {}", count(*random));
     }
     Some(text + ".")
+}
+
+/// A number of samples: whole, or rounded where it is large.
+pub fn count(n: f64) -> String {
+    if n < 1e4 { format!("{}", n.ceil()) } else { number(n, 2) }
 }
 
 /// Samples that bring the standard error of one estimate down to `error`, by the fitted line.

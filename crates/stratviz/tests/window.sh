@@ -39,11 +39,11 @@ picture_is_drawn() {
 until_it_holds xdotool search --name '^stratviz$' >/dev/null
 id=$(xdotool search --name '^stratviz$' | head -n 1)
 xdotool windowmove "$id" 0 0 windowsize "$id" 1280 720
-xdotool windowfocus "$id" || true
+xdotool windowfocus "$id"
 until_it_holds picture_is_drawn
 
 # Pixel 216, 24 of the picture, in a window of 1280 × 720 as it opens the first time.
-xdotool mousemove CLICK_X CLICK_Y
+xdotool mousemove 475 146
 sleep 0.5
 xdotool click 1
 curve="$PWD/$out/curve.csv"

@@ -7,16 +7,25 @@ use std::sync::LazyLock;
 use stratcli::picture::srgb_byte;
 use stratcli::report::chart::Style;
 use stratcli::report::raster::viridis;
+use stratcore::sampler::{SHELF, Sampler};
 use stratcore::scene::Rgb;
 use stratcore::theory::Class;
 
 /// The colour that stands for a sampler in every figure, black turned to white on dark ground.
+/// Samplers whose colour is another's too are told from it by a paler or darker shade.
 pub fn sampler(name: &str, dark: bool) -> Color32 {
-    match Color32::from_hex(Style::of_sampler(name).colour) {
+    let ground = if dark { Color32::WHITE } else { Color32::BLACK };
+    let colour = match Color32::from_hex(Style::of_sampler(name).colour) {
         Ok(Color32::BLACK) | Err(_) if dark => Color32::from_gray(235),
         Ok(colour) => colour,
         Err(_) => Color32::BLACK,
-    }
+    };
+    let of_this_colour = |other: &&&dyn Sampler| {
+        Style::of_sampler(other.name()).colour == Style::of_sampler(name).colour
+    };
+    let before = SHELF.iter().take_while(|other| other.name() != name);
+    let shade = before.filter(of_this_colour).count();
+    colour.lerp_to_gamma(ground, (0.45 * shade as f32).min(0.8))
 }
 
 /// sRGB of linear radiance, by a table: a picture has millions of values.

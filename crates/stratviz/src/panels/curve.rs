@@ -6,7 +6,7 @@ use crate::model::{Model, Study};
 use crate::state::State;
 use crate::words;
 use eframe::egui::{self, Color32, Grid, RichText, Ui, vec2};
-use stratcli::table::{number, short, with_error};
+use stratcli::table::{short, with_error};
 use stratcore::study::SamplerResult;
 
 /// Draws the studies of the pixels.
@@ -25,7 +25,7 @@ pub fn ui(ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
         return None;
     }
     let studies: Vec<_> = model.studies.iter().collect();
-    egui::Panel::bottom("exponents").resizable(true).default_size(150.0).show(ui, |ui| {
+    egui::Panel::bottom("exponents").resizable(true).default_size(126.0).show(ui, |ui| {
         egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             exponents(ui, &studies, state.study.error);
             if studies.iter().any(|study| !study.kept.is_empty())
@@ -121,9 +121,8 @@ fn row(ui: &mut Ui, sampler: &SamplerResult, study: Option<usize>, kept: Option<
         (Some(class), false) => format!("{class}?"),
         (None, _) => dash(),
     });
-    let digits = |n: f64| if n < 1e3 { 3 } else { 2 };
     let needed = words::needed(sampler, error);
-    ui.label(needed.map_or_else(dash, |n| number(n.ceil(), digits(n))));
+    ui.label(needed.map_or_else(dash, |n| words::count(n)));
     let zero = sampler.rows.iter().filter(|row| row.variance_of_mean == 0.0).count();
     let points = sampler.rows.len() - zero;
     ui.label(match zero {

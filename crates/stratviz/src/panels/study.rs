@@ -39,8 +39,9 @@ impl StudyPanel {
             });
             channel_box(ui, &mut words);
             policy_box(ui, &mut words);
+            ui.separator();
+            command = actions(ui, model);
         });
-        ui.horizontal_wrapped(|ui| command = actions(ui, model));
         if words != state.study {
             command = Some(Command::SetStudy(words));
         }

@@ -42,11 +42,12 @@ pub fn ui(ui: &mut Ui, state: &State, model: &Model) -> Option<Wish> {
         ui.separator();
         scene_line(ui, model);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            if let Some([last, longest]) = model.frame_times.last_and_longest() {
-                let ms = |time: std::time::Duration| time.as_secs_f64() * 1e3;
-                let words = format!("UI {:.1} ms, at most {:.1}", ms(last), ms(longest));
+            if let Some(times) = model.frame_times.longest() {
+                let [panels, frame] = times.map(|time| time.as_secs_f64() * 1e3);
+                let words = format!("panels {panels:.1} ms, frame {frame:.1} ms");
                 ui.weak(words).on_hover_text(
-                    "CPU time of the window's thread for a frame: the last, and the longest of 120",
+                    "the longest of the last 120 frames, in CPU time of the window's thread: what \
+                     the panels took, and the whole with painting",
                 );
             }
         });
