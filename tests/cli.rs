@@ -158,7 +158,7 @@ fn each_bad_input_is_one_clear_line() {
 fn a_pixel_study_keeps_the_promised_json() {
     let scenes = Scenes::new();
     let quad = scenes.spec("quad.toml");
-    let study = json(&["pixel", &quad, "--at", "4,3", "--trials", "20", "--counts", "1..4^2"]);
+    let study = json(&["pixel", &quad, "--at", "4,3", "--trials", "400", "--counts", "1..4^2"]);
     assert_eq!(study["schema"], 1);
     assert_eq!(study["version"], env!("CARGO_PKG_VERSION"));
     assert_eq!(study["scene"], "quad");
@@ -166,7 +166,7 @@ fn a_pixel_study_keeps_the_promised_json() {
     assert_eq!(study["dim"], 2);
     assert_eq!(study["axes"], serde_json::json!(["pixel_x", "pixel_y"]));
     assert_eq!(study["seed"], 1996);
-    assert_eq!(study["trials"], 20);
+    assert_eq!(study["trials"], 400);
     assert_eq!(study["complete"], true);
     assert!(study["reference"].is_null());
     let samplers = study["samplers"].as_array().unwrap();

@@ -178,7 +178,7 @@ fn wrong_words_are_refused_with_the_way_out() {
         (&["trade", "gaussian", "--at", "1,1"][..], &["no pixels", "--at"][..]),
         (&["trade", "classic", "--dim", "3"], &["not an integrand", "--dim"]),
         (&["trade", "classic", "--at", "999,0"], &["999,0", "256 × 256"]),
-        (&["trade", "classic", "--region", "5,5,4,9"], &["--region 5,5,4,9", "X0 < X1"]),
+        (&["trade", "classic", "--region", "5,5,4,9"], &["--region: 5,5,4,9", "X0 < X1"]),
         (&["trade", "gaussian", "--targets", "0%"], &["--targets 0%", "1%"]),
         (&["trade", "gaussian", "--eval-cost", "3"], &["--eval-cost 3", "1us"]),
         (&["trade", "classic", "--needed", "a.png"], &["--needed", ".exr"]),

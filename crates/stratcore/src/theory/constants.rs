@@ -111,7 +111,9 @@ mod tests {
                 .sum();
             let variance = sum / f64::from(steps) * width * width;
             let law = shifted_ramp_variance(k, 1);
-            assert!((variance / law - 1.0).abs() < 1e-4, "k = {k}: {variance} {law}");
+            // The sums misplace the ramp's fall by up to half a step.
+            let off = (variance / law - 1.0).abs();
+            assert!(off < 0.5 / f64::from(steps), "k = {k}: {variance} {law}");
         }
     }
 

@@ -31,7 +31,7 @@ pub fn interaction_variance(sampler: &str, n: u64) -> Option<f64> {
     let shuffled = if k > 1.0 { (coarse / k).powi(2) / (k - 1.0) } else { 0.0 };
     let sum = match sampler {
         "random" => points / 144.0,
-        "jittered" if square => (coarse + 1.0 / (12.0 * k)).powi(2) - coarse * coarse,
+        "jittered" if square => (2.0 * coarse + 1.0 / (12.0 * k)) / (12.0 * k),
         "lhs" if n == 1 => within,
         "lhs" => centres * centres / (points - 1.0) + within,
         "cmj" | "oa" if square => 2.0 * points * shuffled + within,
