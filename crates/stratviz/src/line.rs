@@ -288,9 +288,9 @@ mod tests {
         assert_eq!((plan.n_trials, plan.seed, plan.counts.len()), (50, 1996, 16));
         let mut wrong = state.clone();
         wrong.study.counts = "1..x".to_owned();
-        assert!(study_plan(&pixel(&wrong, [0, 0], 50), 2).unwrap_err().contains("--counts"));
+        assert!(study_plan(&pixel(&wrong, [0, 0], 50), 2).err().unwrap().contains("--counts"));
         wrong.study.counts.clear();
         wrong.study.samplers = vec!["jitered".to_owned()];
-        assert!(study_plan(&pixel(&wrong, [0, 0], 50), 2).unwrap_err().contains("jitered"));
+        assert!(study_plan(&pixel(&wrong, [0, 0], 50), 2).err().unwrap().contains("jitered"));
     }
 }

@@ -140,6 +140,8 @@ fn a_sampler_that_is_switched_off_leaves_its_curve() {
     let names = &window.harness.state().state.study.samplers;
     assert_eq!(names, &["random", "jittered", "sobol", "lhs"]);
     assert!(window.sees("kept at M = 120"), "the curve is gone");
+    window.harness.key_press(Key::Escape);
+    window.harness.run_steps(3);
     window.harness.get_by_label("Forget kept curves").click();
     window.harness.run_steps(2);
     assert!(!window.sees("kept at M"));

@@ -34,7 +34,7 @@ until_it_holds() {
 }
 picture_is_drawn() {
     # The target is mostly mid-grey patterns: many colours where the picture is.
-    [ "$(import -window root -crop 400x300+80+250 -unique-colors txt:- | wc -l)" -gt 40 ]
+    [ "$(import -window root png:- | convert png:- -crop 400x300+80+250 -unique-colors txt:- | wc -l)" -gt 40 ]
 }
 until_it_holds xdotool search --name '^stratviz$' >/dev/null
 id=$(xdotool search --name '^stratviz$' | head -n 1)
