@@ -1,12 +1,12 @@
 //! How soon after a click the explorer has a first curve: four samplers, N = 1, 4, …, 256, ten
-//! trials each, with the pixel's set-up and the statistics.
+//! trials each, with the pixel's set-up and the statistics, on all cores.
 
 use divan::Bencher;
 use std::ops::ControlFlow;
 use std::sync::LazyLock;
 use stratcore::sampler::CountPolicy;
 use stratcore::scene::{Channel, load};
-use stratcore::study::{Control, SamplerChoice, StudyPlan, study_live, with_threads};
+use stratcore::study::{Control, SamplerChoice, StudyPlan, study_live};
 use stratcore::trace::{TracedScene, Tracer};
 
 fn main() {
@@ -44,7 +44,6 @@ fn first_curve(bencher: Bencher<'_, '_>, tracer: usize, (scene, pixel): (&str, [
     let samplers: Vec<_> =
         samplers.iter().filter_map(|name| SamplerChoice::named(name).ok()).collect();
     let plan = StudyPlan { samplers, count_policy: CountPolicy::Snap, ..StudyPlan::paper() };
-    with_threads(Some(2), || {
         bencher.bench_local(|| {
             let integrand = traced.pixel(pixel, Channel::Luminance);
             let mut first = None;
@@ -54,5 +53,4 @@ fn first_curve(bencher: Bencher<'_, '_>, tracer: usize, (scene, pixel): (&str, [
             });
             (ended, first)
         });
-    });
 }

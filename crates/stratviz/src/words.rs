@@ -69,7 +69,8 @@ fn cost(result: &StudyResult, error: f64) -> Option<String> {
         .collect();
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (best, sampler) = costs.first()?;
-    let mut text = format!("{} samples of {} reach error {error}", count(*best), sampler.name);
+    let samples = if *best <= 1.0 { "1 sample".to_owned() } else { count(*best) + " samples" };
+    let mut text = format!("{samples} of {} for error {error}", sampler.name);
     if let Some((random, _)) =
         costs.iter().find(|(_, s)| s.name == "random" && sampler.name != "random")
     {

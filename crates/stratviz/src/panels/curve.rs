@@ -122,7 +122,7 @@ fn row(ui: &mut Ui, sampler: &SamplerResult, study: Option<usize>, kept: Option<
         (None, _) => dash(),
     });
     let needed = words::needed(sampler, error);
-    ui.label(needed.map_or_else(dash, |n| words::count(n)));
+    ui.label(needed.map_or_else(dash, words::count));
     let zero = sampler.rows.iter().filter(|row| row.variance_of_mean == 0.0).count();
     let points = sampler.rows.len() - zero;
     ui.label(match zero {
