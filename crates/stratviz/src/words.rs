@@ -105,7 +105,7 @@ mod tests {
     fn verdicts_name_the_kind_the_gain_and_the_cost() {
         let edge = of("disk");
         assert!(edge.contains("n edge: the variance under jittered is √N times"), "{edge}");
-        assert!(edge.contains("samples of jittered reach error 0.01; random needs 2"), "{edge}");
+        assert!(edge.contains("samples of jittered for error 0.01; random needs 2"), "{edge}");
         assert!(of("ramp").starts_with("Smooth: the variance under jittered is N times"));
         assert!(of("constant").starts_with("Constant"));
     }
