@@ -189,17 +189,17 @@ fn every_case_at_every_number_of_trials() {
     const REPEATS: u64 = 2000;
     let allowed = 2.0 + 3.0 * (95.0 * 5.0 / REPEATS as f64).sqrt();
     let mut faults = Vec::new();
-    println!(
+    eprintln!(
         "| sampler, integrand | M | variance, % | worst N | missed, % | p, % | (p - true)/se |"
     );
-    println!("| --- | --- | --- | --- | --- | --- | --- |");
+    eprintln!("| --- | --- | --- | --- | --- | --- | --- |");
     for n_trials in [10, 50, 1000] {
         for case in CASES {
             let found = repeat(case, 10, n_trials, REPEATS);
             let (variance, exponent) = (found.variance().percent(), found.exponent.percent());
             let (k, worst) = found.worst_row();
             let mean = found.scores.iter().sum::<f64>() / found.scores.len() as f64;
-            println!(
+            eprintln!(
                 "| {} | {n_trials} | {variance:.1} | {worst:.1} at {} | {:.1} | {exponent:.1} | {mean:+.2} |",
                 name(case),
                 k * k,
@@ -243,7 +243,7 @@ fn studies_that_stop_when_sure_still_cover() {
                 Tightness::Exponent(_) => found.exponent.percent(),
                 Tightness::Variance(_) => found.variance().percent(),
             };
-            println!("{until:?} {}: {percent:.1} % after {trials:.0} trials", name(case));
+            eprintln!("{until:?} {}: {percent:.1} % after {trials:.0} trials", name(case));
             assert!((percent - 95.0).abs() < allowed, "{until:?} {}: {percent}", name(case));
         }
     }

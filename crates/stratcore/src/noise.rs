@@ -75,7 +75,8 @@ impl Noise {
                 let of_share = |q: f64| q * (1.0 - q);
                 let most = if hi > 0.5 { 0.25 } else { of_share(hi) };
                 let step = squared_step(variance, rarer, trials);
-                [step * of_share(lo).min(of_share(hi)), step * most]
+                // s², unbiased, may lie above the most that two values can vary.
+                [step * of_share(lo).min(of_share(hi)), (step * most).max(variance)]
             }
         }
     }
@@ -104,7 +105,8 @@ fn squared_step(variance: f64, rarer: u64, trials: u64) -> f64 {
 /// METHOD.md, not by theory.
 ///
 /// A row whose N = 1 and whose trials are two values is [`Noise::TwoValues`]. At larger N few
-/// trials may show two of many possible values, so the rule is not used there.
+/// trials may show two of many possible values, so the rule is not used there; nor below five
+/// trials, for any two numbers are two values.
 pub fn pooled_noise(rows: &[(u64, Moments)]) -> Vec<Noise> {
     let kurtosis = pooled_kurtosis(rows);
     rows.iter().zip(kurtosis).map(|((n, moments), kurtosis)| noise(*n, moments, kurtosis)).collect()
@@ -115,6 +117,7 @@ fn noise(n: u64, moments: &Moments, kurtosis: f64) -> Noise {
         return Noise::None;
     }
     if n == 1
+        && moments.count >= 5
         && let Some(rarer) = moments.rarer_of_two()
     {
         return Noise::TwoValues { rarer, trials: moments.count };
@@ -200,6 +203,16 @@ mod tests {
         // Var ln q(1-q) ≈ ((1-2q)/(q(1-q)))² q(1-q)/M = 0.0033 at q = 0.4, and more for curvature.
         assert!((0.003..0.006).contains(&noise.var_ln()), "{}", noise.var_ln());
         assert!((noise.ln_variance(s2) - 0.24f64.ln()).abs() < 0.05);
+        let even = Noise::TwoValues { rarer: 25, trials: 50 };
+        assert_eq!(even.ci95(0.25 * 50.0 / 49.0)[1], 0.25 * 50.0 / 49.0);
+    }
+
+    #[test]
+    fn two_trials_of_anything_are_no_bernoulli_trials() {
+        let rows = [(1, Moments::of(&[0.2, 0.7]))];
+        assert_eq!(pooled_noise(&rows), [Noise::ChiSquare { dof: 1.0 }]);
+        let rows = [(1, Moments::of(&[0.0, 1.0, 1.0, 0.0, 1.0]))];
+        assert_eq!(pooled_noise(&rows), [Noise::TwoValues { rarer: 2, trials: 5 }]);
     }
 
     #[test]

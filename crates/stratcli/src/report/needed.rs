@@ -11,6 +11,9 @@ const EXACT: [u8; 3] = [0xd8; 3];
 /// Range of errors that is shown, in units of the target: a factor of four either way.
 const WORST: f64 = 4.0;
 
+/// What a panel shows of a pixel.
+type Colour = Box<dyn Fn(&PixelNeed) -> [u8; 3]>;
+
 /// Where N lies on the scale from 1 to the largest, in [0, 1].
 fn position(n: u64, most: u64) -> f64 {
     (n as f64).ln() / (most.max(2) as f64).ln()
@@ -51,7 +54,7 @@ pub fn draw(title: &str, found: &Needed) -> Svg {
     svg.text([28.0, 30.0], plain(16.0, INK), title);
     let error = found.error;
     let uniform = format!("RMS error, uniform {} spp", found.uniform_spp);
-    let panels: [(&str, Box<dyn Fn(&PixelNeed) -> [u8; 3]>); 3] = [
+    let panels: [(&str, Colour); 3] = [
         ("samples needed, N", Box::new(move |p| n_colour(p, most))),
         ("RMS error with these N", Box::new(move |p| error_colour(p, p.rmse, error))),
         (&uniform, Box::new(move |p| error_colour(p, p.rmse_uniform, error))),

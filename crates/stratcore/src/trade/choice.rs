@@ -35,7 +35,7 @@ pub struct Reach {
     pub scramble: Scramble,
     /// N, interpolated between those that were measured.
     pub n: Option<f64>,
-    /// Its 95 % interval, from those of the errors.
+    /// Its 95 % interval, from those of the errors; an end beyond the measured N is missing.
     pub n_ci95: [Option<f64>; 2],
     /// The smallest N of the plan from which on the error's whole interval lies below the
     /// target. Beyond the plan's N the next one that the sampler can make.
@@ -111,7 +111,10 @@ fn reach(curve: &SamplerTrade, error: f64, admitted: &dyn Fn(u64) -> Option<u64>
         curve.rows.iter().map(|row| (row.error.n, end(&row.error))).collect()
     };
     let n = crossing(&points(|e| e.error95), error);
-    let n_lo = crossing(&points(|e| e.error95_lo), error);
+    // Beyond the rows the line's own uncertainty outweighs theirs: no interval is claimed.
+    let within =
+        |points: &[(u64, f64)]| first_below(points, error).and_then(|_| crossing(points, error));
+    let n_lo = within(&points(|e| e.error95_lo));
     let upper = points(|e| e.error95_hi);
     let n_hi = crossing(&upper, error);
     let (n_safe, extrapolated) = match first_below(&upper, error) {
@@ -127,7 +130,7 @@ fn reach(curve: &SamplerTrade, error: f64, admitted: &dyn Fn(u64) -> Option<u64>
         name: curve.name,
         scramble: curve.scramble,
         n,
-        n_ci95: [n_lo, n_hi],
+        n_ci95: [n_lo, within(&upper)],
         n_safe,
         extrapolated: extrapolated && n_safe.is_some(),
         ns,
