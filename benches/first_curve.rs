@@ -44,13 +44,13 @@ fn first_curve(bencher: Bencher<'_, '_>, tracer: usize, (scene, pixel): (&str, [
     let samplers: Vec<_> =
         samplers.iter().filter_map(|name| SamplerChoice::named(name).ok()).collect();
     let plan = StudyPlan { samplers, count_policy: CountPolicy::Snap, ..StudyPlan::paper() };
-        bencher.bench_local(|| {
-            let integrand = traced.pixel(pixel, Channel::Luminance);
-            let mut first = None;
-            let ended = study_live(&integrand, pixel, &plan, Control::unwatched(), &mut |result| {
-                first = Some(result);
-                ControlFlow::Break(())
-            });
-            (ended, first)
+    bencher.bench_local(|| {
+        let integrand = traced.pixel(pixel, Channel::Luminance);
+        let mut first = None;
+        let ended = study_live(&integrand, pixel, &plan, Control::unwatched(), &mut |result| {
+            first = Some(result);
+            ControlFlow::Break(())
         });
+        (ended, first)
+    });
 }
