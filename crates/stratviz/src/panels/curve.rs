@@ -27,12 +27,12 @@ pub fn ui(ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
     let studies: Vec<_> = model.studies.iter().collect();
     egui::Panel::bottom("exponents").resizable(true).default_size(126.0).show(ui, |ui| {
         egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            exponents(ui, &studies, state.study.error);
             if studies.iter().any(|study| !study.kept.is_empty())
                 && ui.button("Forget kept curves").clicked()
             {
                 command = Some(Command::ForgetKept);
             }
+            exponents(ui, &studies, state.study.error);
         });
     });
     plot::ui(ui, "curve", &studies);
