@@ -1,5 +1,5 @@
 //! How soon after a click the explorer has a first curve: four samplers, N = 1, 4, …, 256, ten
-//! trials each, with the pixel's set-up and the statistics.
+//! trials each, with the pixel's set-up and the statistics, on all cores.
 
 use divan::Bencher;
 use std::ops::ControlFlow;

@@ -158,8 +158,8 @@ mod tests {
         let fields: Vec<_> = lines[20].split(',').skip(1).collect();
         assert_eq!(fields.len(), lines[0].split(',').count());
         let row = &result.samplers[1].rows[3];
-        assert_eq!(fields[12].parse::<f64>().unwrap(), row.grand_mean);
-        assert_eq!(fields[13].parse::<f64>().unwrap(), row.variance_of_mean);
-        assert_eq!(fields[16].parse::<f64>().unwrap(), result.samplers[1].fit.unwrap().exponent);
+        assert_eq!(fields[11].parse::<f64>().unwrap(), row.grand_mean);
+        assert_eq!(fields[12].parse::<f64>().unwrap(), row.variance_of_mean);
+        assert_eq!(fields[15].parse::<f64>().unwrap(), result.samplers[1].fit.unwrap().exponent);
     }
 }

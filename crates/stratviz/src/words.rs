@@ -69,7 +69,8 @@ fn cost(result: &StudyResult, error: f64) -> Option<String> {
         .collect();
     costs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let (best, sampler) = costs.first()?;
-    let mut text = format!("{} samples of {} reach error {error}", count(*best), sampler.name);
+    let samples = if *best <= 1.0 { "1 sample".to_owned() } else { count(*best) + " samples" };
+    let mut text = format!("{samples} of {} for error {error}", sampler.name);
     if let Some((random, _)) =
         costs.iter().find(|(_, s)| s.name == "random" && sampler.name != "random")
     {
@@ -104,7 +105,7 @@ mod tests {
     fn verdicts_name_the_kind_the_gain_and_the_cost() {
         let edge = of("disk");
         assert!(edge.contains("n edge: the variance under jittered is √N times"), "{edge}");
-        assert!(edge.contains("samples of jittered reach error 0.01; random needs 2"), "{edge}");
+        assert!(edge.contains("samples of jittered for error 0.01; random needs 2"), "{edge}");
         assert!(of("ramp").starts_with("Smooth: the variance under jittered is N times"));
         assert!(of("constant").starts_with("Constant"));
     }

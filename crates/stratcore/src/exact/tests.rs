@@ -258,12 +258,13 @@ fn curves_agree_with_dense_sampling_in_every_scene() {
     /// Points per axis: strata of the finest grid times 32.
     const FINE: usize = 512;
     let counts = [1, 4, 16, 64, 256];
-    let mut compared = 0;
+    let (mut compared, mut scenes) = (0, 0);
     for info in SCENES {
         let traced = TracedScene::new(scene::load(info.name).unwrap());
         if PixelBeam::new(traced.scene(), traced.accel().bvh(), [0, 0], Channel::R).is_none() {
             continue;
         }
+        scenes += 1;
         let pixels = (0..100u32).map(|i| [(37 * i + 11) % 256, (101 * i + 60) % 256]);
         let beams = pixels.map(|pixel| (pixel, beam(&traced, pixel)));
         let some = beams.filter(|(_, beam)| (2..60).contains(&beam.n_facets())).take(4);
@@ -302,7 +303,7 @@ fn curves_agree_with_dense_sampling_in_every_scene() {
             compared += 1;
         }
     }
-    assert!(compared >= 3 * SCENES.len(), "{compared}");
+    assert!(compared >= 3 * scenes && scenes >= 4, "{compared} pixels of {scenes} scenes");
 }
 
 #[test]

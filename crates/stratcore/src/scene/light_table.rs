@@ -107,7 +107,12 @@ impl LightTables {
                 }
                 LightTable::Directional { towards, irradiance, ambient } => {
                     let irradiance = colour(file, "light irradiance", irradiance)?;
-                    let towards = direction(file, "light towards", towards)?;
+                    let towards = direction(
+                        file,
+                        "light towards",
+                        towards,
+                        "it points from the scene to the light and is not zero",
+                    )?;
                     (Light::Directional { towards, irradiance }, ambient)
                 }
                 LightTable::Area(table) => {
@@ -169,7 +174,8 @@ impl AreaTable {
                 let (Some(centre), Some(normal), Some(radius)) = (centre, normal, radius) else {
                     return Err(missing("centre, normal and radius"));
                 };
-                let normal = direction(file, "light normal", normal)?;
+                let wanted = "it is perpendicular to the disk and not zero";
+                let normal = direction(file, "light normal", normal, wanted)?;
                 let radius = self::radius(file, radius)?;
                 let radii = super::around(normal).map(|v| v * radius);
                 LightShape::Disk { centre: vector(file, "light centre", centre)?, radii }
@@ -222,12 +228,17 @@ fn emissive_mesh(file: &Path, model: &Model, name: &str) -> Result<AreaLight, Sc
     Ok(AreaLight { shape: LightShape::Mesh { material, triangles, area }, radiance })
 }
 
-fn direction(file: &Path, name: &'static str, value: [f64; 3]) -> Result<DVec3, SceneError> {
+fn direction(
+    file: &Path,
+    name: &'static str,
+    value: [f64; 3],
+    wanted: &'static str,
+) -> Result<DVec3, SceneError> {
     vector(file, name, value)?.try_normalize().ok_or_else(|| SceneError::Value {
         path: shown(file),
         name,
         value,
-        wanted: "it is a direction and not zero",
+        wanted,
     })
 }
 

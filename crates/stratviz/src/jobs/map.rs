@@ -151,7 +151,7 @@ mod tests {
         let plan =
             StudyPlan { samplers, counts: vec![1, 4, 16], n_trials: 10, ..StudyPlan::paper() };
         let (sender, rung) = mpsc::channel();
-        let wake: Wake = Arc::new(move || drop(sender.send(())));
+        let wake: Wake = Arc::new(move || sender.send(()).unwrap_or_default());
         let channel = Channel::Luminance;
         let mut job = map(&traced, channel, plan.clone(), RightOfWay::default(), wake);
         let mut updates = Vec::new();

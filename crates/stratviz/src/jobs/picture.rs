@@ -113,7 +113,7 @@ mod tests {
         scene.camera.resolution = [24, 16];
         let traced = Arc::new(TracedScene::new(scene));
         let (sender, rung) = mpsc::channel();
-        let wake: Wake = Arc::new(move || drop(sender.send(())));
+        let wake: Wake = Arc::new(move || sender.send(()).unwrap_or_default());
         let mut job = render(&traced, 4, 7, RightOfWay::default(), wake);
         let mut patches = Vec::new();
         while job.standing() == Standing::Running {

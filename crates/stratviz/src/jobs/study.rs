@@ -97,7 +97,7 @@ mod tests {
 
     fn run(subject: Subject, until: f64) -> (Vec<StudyUpdate>, Standing) {
         let (sender, rung) = mpsc::channel();
-        let wake: Wake = Arc::new(move || drop(sender.send(())));
+        let wake: Wake = Arc::new(move || sender.send(()).unwrap_or_default());
         let plan = StudyPlan { n_trials: 400, ..StudyPlan::paper() };
         let mut job =
             study_job(subject, move |_| Ok(plan.clone()), until, &RightOfWay::default(), wake);

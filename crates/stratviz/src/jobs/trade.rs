@@ -50,7 +50,7 @@ mod tests {
     fn every_sampler_has_its_way_to_the_error() {
         let traced = Arc::new(TracedScene::new(stratcore::scene::load("edges").unwrap()));
         let (sender, rung) = mpsc::channel();
-        let wake: Wake = Arc::new(move || drop(sender.send(())));
+        let wake: Wake = Arc::new(move || sender.send(()).unwrap_or_default());
         let plan = StudyPlan { counts: vec![1, 4, 16], n_trials: 20, ..StudyPlan::paper() };
         let subject = ([216, 24], Channel::Luminance);
         let way = RightOfWay::default();

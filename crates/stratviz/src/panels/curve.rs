@@ -27,12 +27,12 @@ pub fn ui(ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
     let studies: Vec<_> = model.studies.iter().collect();
     egui::Panel::bottom("exponents").resizable(true).default_size(126.0).show(ui, |ui| {
         egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            exponents(ui, &studies, state.study.error);
             if studies.iter().any(|study| !study.kept.is_empty())
                 && ui.button("Forget kept curves").clicked()
             {
                 command = Some(Command::ForgetKept);
             }
+            exponents(ui, &studies, state.study.error);
         });
     });
     plot::ui(ui, "curve", &studies);
@@ -122,7 +122,7 @@ fn row(ui: &mut Ui, sampler: &SamplerResult, study: Option<usize>, kept: Option<
         (None, _) => dash(),
     });
     let needed = words::needed(sampler, error);
-    ui.label(needed.map_or_else(dash, |n| words::count(n)));
+    ui.label(needed.map_or_else(dash, words::count));
     let zero = sampler.rows.iter().filter(|row| row.variance_of_mean == 0.0).count();
     let points = sampler.rows.len() - zero;
     ui.label(match zero {

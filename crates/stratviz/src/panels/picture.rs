@@ -241,9 +241,7 @@ fn map_button(ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
     let clicked = |ui: &mut Ui, words: &str, hint: &str, command| {
         ui.button(words).on_hover_text(hint).clicked().then_some(command)
     };
-    if model.loaded.is_none() {
-        return None;
-    }
+    model.loaded.as_ref()?;
     match &model.map_progress {
         Progress::Running(share) => {
             let command =
