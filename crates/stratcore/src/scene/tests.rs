@@ -208,7 +208,10 @@ fn faults_in_scene_files_are_told_in_one_line() {
         (camera("[8, 8]", "[8, 1048577]"), "1 to 2^20"),
         (camera("[8, 8]", "[8, -1]"), "line"),
         (with("[[mesh]]\npath = \"gone.obj\"\n"), "gone.obj: No such file"),
-        (with("[[mesh]]\nbuiltin = \"teapot\"\n"), "\"teapot\"; there are classic, grass"),
+        (
+            with("[[mesh]]\nbuiltin = \"teapot\"\n"),
+            "\"teapot\"; there are classic, classic-mirrors, grass",
+        ),
         (with("[[mesh]]\n"), "either a path or a builtin"),
     ];
     let folder = folder(&[("ok.obj", TRIANGLE)]);
