@@ -237,7 +237,7 @@ impl LensTable {
                 return fault(format!("lens {name} is {value}; it lies above 0 and up to 1e15"));
             }
         }
-        if !(rotation.abs() <= 360.0) {
+        if rotation.is_nan() || rotation.abs() > 360.0 {
             return fault(format!("lens rotation is {rotation} degrees; it lies within ±360"));
         }
         let aperture = match blades {
