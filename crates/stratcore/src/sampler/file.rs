@@ -122,7 +122,7 @@ impl PointFile {
         }
     }
 
-    /// All sets, each row-major `[N, dim]`; dim is [`Sampler::max_dim`].
+    /// All sets, each row-major `[N, dim]`; dim is [`Facts::max_dim`](super::Facts::max_dim).
     pub fn sets(&self) -> impl Iterator<Item = &[f64]> {
         self.sets.iter().map(AsRef::as_ref)
     }
