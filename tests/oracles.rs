@@ -265,3 +265,18 @@ fn beam_and_rays_agree_under_area_lights() {
     }
     assert!(shadowed > 500, "{shadowed}");
 }
+
+/// A filtered pixel behind a reference is still a weighted mean: a constant picture is exact.
+#[test]
+fn weights_survive_a_reference() {
+    let filter = "[filter]\nkind = \"mitchell\"\n[background]\nradiance = [1, 1, 1]\n";
+    let scene = scene(&(along_z() + filter), HALF_PLANE, LAMP);
+    let pixel = scene.pixel([13, 3], Channel::R);
+    let plan = StudyPlan { counts: vec![4, 16], n_trials: 5, ..StudyPlan::paper() };
+    for integrand in [&pixel as &dyn Integrand, &&pixel] {
+        let result = study(integrand, [13, 3], &plan, Control::unwatched()).unwrap();
+        for row in result.samplers.iter().flat_map(|sampler| &sampler.rows) {
+            assert!((row.grand_mean - 1.0).abs() < 1e-12, "{row:?}");
+        }
+    }
+}

@@ -126,6 +126,12 @@ impl<I: Integrand + ?Sized> Integrand for &I {
     fn eval_block(&self, points: &[f64], values: &mut [f64]) {
         (**self).eval_block(points, values);
     }
+    fn is_weighted(&self) -> bool {
+        (**self).is_weighted()
+    }
+    fn weigh_block(&self, points: &[f64], weights: &mut [f64]) {
+        (**self).weigh_block(points, weights);
+    }
     fn trial_means(
         &self,
         sampler: &dyn Sampler,
