@@ -63,13 +63,8 @@ fn exr([width, height]: [u32; 2], rgb: &[Rgb], comments: &str) -> Result<Vec<u8>
         let [r, g, b] = rgb[y * width + x].map(|value| value as f32);
         (r, g, b)
     });
-    // Attributes of our own would be written in the order of a hash map, another in every run.
-    let about = LayerAttributes {
-        software_name: Text::new_or_none(concat!("stratcli ", env!("CARGO_PKG_VERSION"))),
-        comments: Text::new_or_none(comments),
-        ..Default::default()
-    };
-    let layer = Layer::new((width, height as usize), about, Encoding::SMALL_LOSSLESS, pixels);
+    let layer =
+        Layer::new((width, height as usize), about(comments), Encoding::SMALL_LOSSLESS, pixels);
     let mut file = Cursor::new(Vec::new());
     // One thread: the writer's own pool would ignore --threads.
     Image::from_layer(layer)
@@ -80,6 +75,15 @@ fn exr([width, height]: [u32; 2], rgb: &[Rgb], comments: &str) -> Result<Vec<u8>
     Ok(file.into_inner())
 }
 
+/// Attributes of our own would be written in the order of a hash map, another in every run.
+fn about(comments: &str) -> LayerAttributes {
+    LayerAttributes {
+        software_name: Text::new_or_none(concat!("stratcli ", env!("CARGO_PKG_VERSION"))),
+        comments: Text::new_or_none(comments),
+        ..Default::default()
+    }
+}
+
 /// An OpenEXR file of named float channels, row-major from the top-left. `comments` go into
 /// the standard attribute of that name.
 pub fn exr_channels(
@@ -87,17 +91,13 @@ pub fn exr_channels(
     channels: Vec<(String, Vec<f32>)>,
     comments: &str,
 ) -> Result<Vec<u8>> {
-    let about = LayerAttributes {
-        software_name: Text::new_or_none(concat!("stratcli ", env!("CARGO_PKG_VERSION"))),
-        comments: Text::new_or_none(comments),
-        ..Default::default()
-    };
     let channels = channels
         .into_iter()
         .map(|(name, values)| AnyChannel::new(name.as_str(), FlatSamples::F32(values)))
         .collect();
     let size = (width as usize, height as usize);
-    let layer = Layer::new(size, about, Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
+    let layer =
+        Layer::new(size, about(comments), Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
     let mut file = Cursor::new(Vec::new());
     Image::from_layer(layer)
         .write()

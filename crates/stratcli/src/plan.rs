@@ -15,26 +15,31 @@ use stratcore::{StudyError, StudyResult};
 
 /// The plan of a study of an integrand with `dim` dimensions.
 pub fn study_plan(args: &ProtocolArgs, common: &Common, dim: usize) -> Result<StudyPlan> {
-    let samplers = samplers(&args.samplers, None)?;
-    let count_policy = args.n_policy.into();
-    Ok(StudyPlan {
-        counts: counts(args.counts.as_deref(), &samplers, dim, count_policy)?,
-        samplers,
-        count_policy,
-        n_trials: args.trials,
-        seed: common.seed,
-    })
+    let ProtocolArgs { samplers, counts, n_policy, trials } = args;
+    plan_of(samplers, counts.as_deref(), *n_policy, *trials, common, dim)
 }
 
 /// The plan by which a trade measures errors.
 pub fn trade_study_plan(args: &TradeArgs, common: &Common, dim: usize) -> Result<StudyPlan> {
-    let samplers = samplers(&args.samplers, None)?;
-    let count_policy = args.n_policy.into();
+    let TradeArgs { samplers, counts, n_policy, trials, .. } = args;
+    plan_of(samplers, counts.as_deref(), *n_policy, *trials, common, dim)
+}
+
+fn plan_of(
+    names: &[String],
+    counts_text: Option<&str>,
+    policy: NPolicy,
+    n_trials: u32,
+    common: &Common,
+    dim: usize,
+) -> Result<StudyPlan> {
+    let samplers = samplers(names, None)?;
+    let count_policy = policy.into();
     Ok(StudyPlan {
-        counts: counts(args.counts.as_deref(), &samplers, dim, count_policy)?,
+        counts: counts(counts_text, &samplers, dim, count_policy)?,
         samplers,
         count_policy,
-        n_trials: args.trials,
+        n_trials,
         seed: common.seed,
     })
 }

@@ -5,7 +5,7 @@ use crate::beam::facet::Facet;
 use crate::beam::pixel::PixelBeam;
 use crate::beam::shadow::between;
 use crate::integrand::Integrand;
-use crate::scene::{Channel, Rgb};
+use crate::scene::{Channel, Rgb, SHORT_OF_THE_LIGHT};
 use crate::trace::{Ray, TracedScene};
 use std::sync::OnceLock;
 
@@ -39,8 +39,6 @@ impl<'a> AreaBeam<'a> {
 
     /// Irradiance over π on a facet at a position of the pixel, by one point on each light.
     fn irradiance(&self, id: u32, w: f64, [s, t]: [f64; 2], lights: &[f64]) -> Rgb {
-        /// The light itself does not stand in its own way.
-        const SHORT_OF_THE_LIGHT: f64 = 1.0 - 1e-9;
         let scene = self.scene.scene();
         let facet = &self.beam.facets()[id as usize];
         let point = scene.camera.eye + self.beam.centred().direction(s, t) / w;

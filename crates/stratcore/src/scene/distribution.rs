@@ -168,6 +168,10 @@ pub enum LightShape {
     },
 }
 
+/// Share of the way to a sample of a light on which something may stand before it: the light
+/// itself does not stand in its own way.
+pub(crate) const SHORT_OF_THE_LIGHT: f64 = 1.0 - 1e-9;
+
 /// One sample of a light as a surface point sees it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct LightSample {

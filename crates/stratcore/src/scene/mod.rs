@@ -13,7 +13,7 @@ mod tests;
 
 pub use camera::{Camera, CameraFault, PixelFrame};
 pub use distribution::{Aperture, AreaLight, Distribution, Lens, LightShape, Motion};
-pub(crate) use distribution::{around, disk};
+pub(crate) use distribution::{SHORT_OF_THE_LIGHT, around, disk};
 pub use error::SceneError;
 pub use file::load;
 pub use filter::{Filter, FilterMethod, FilterShape};

@@ -3,7 +3,7 @@
 use super::moment::Moment;
 use super::tracer::Nearest;
 use super::{Ray, TracedScene};
-use crate::scene::{Light, Material, Rgb};
+use crate::scene::{Light, Material, Rgb, SHORT_OF_THE_LIGHT};
 use glam::DVec3;
 
 /// A hit, with both normals on the side that the ray came from.
@@ -94,8 +94,6 @@ impl Surface {
     /// each.
     #[inline]
     pub fn area<M: Moment>(&self, scene: &TracedScene, moment: M, coordinates: &[f64]) -> Rgb {
-        /// The light itself does not stand in its own way.
-        const SHORT_OF_THE_LIGHT: f64 = 1.0 - 1e-9;
         let point = self.point();
         let mut sum = [0.0; 3];
         let lights = &scene.scene().distribution.lights;
