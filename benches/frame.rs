@@ -1,6 +1,6 @@
 //! What one frame of the explorer costs the window's thread, without a GPU or a rasteriser:
-//! panels, plots and tessellation, on the page of a studied pixel with the map over the picture,
-//! while the picture is still being rendered, and when all is still.
+//! panels, plots and tessellation, when all is still and while workers run. And how soon after a
+//! click the window has a first curve, while the picture is rendered and when it stands.
 
 use divan::Bencher;
 use eframe::egui::{Context, RawInput, Rect, pos2, vec2};
@@ -8,7 +8,8 @@ use std::sync::{Arc, mpsc};
 use stratviz::app::App;
 use stratviz::command::Command;
 use stratviz::jobs::Wake;
-use stratviz::state::{Overlay, Page, State};
+use stratviz::model::Progress;
+use stratviz::state::{Overlay, Page, PictureWords, State};
 
 fn main() {
     divan::main();
@@ -94,4 +95,25 @@ fn patterns(bencher: Bencher<'_, '_>, size: [f32; 2]) {
     let mut window = Headless::open(Page::Patterns, size);
     window.wait(|app| !app.model.is_busy());
     bencher.bench_local(|| window.frame());
+}
+
+/// From the click to the curve: an edge, under four samplers, by beam.
+#[divan::bench(args = [false, true], sample_count = 40)]
+fn first_curve(bencher: Bencher<'_, '_>, is_rendering: bool) {
+    let mut window = Headless::open(Page::Pixel, SIZES[0]);
+    window.wait(|app| app.model.picture_progress == Progress::Done && !app.model.is_busy());
+    let ctx = window.ctx.clone();
+    if is_rendering {
+        let words = PictureWords { spp: 4096, ..window.app.state.picture.clone() };
+        window.app.apply(Command::SetPicture(words), &ctx);
+    }
+    let mut step = 0;
+    bencher.bench_local(|| {
+        step += 1;
+        window.app.apply(Command::Study([216, 24 + step % 2]), &ctx);
+        while window.app.model.studies.iter().all(|study| study.result.is_none()) {
+            let _ = window.bell.recv();
+            window.app.poll();
+        }
+    });
 }

@@ -269,7 +269,11 @@ fn patterns_are_those_of_the_command_line() {
     });
     assert!(window.sees("has no set of 50; these are 49"));
     assert!(window.sees("Power of oa") && window.sees("mean of 20"));
-    assert!(window.sees("jittered, discrepancy ~ 1/N^"));
+    for curve in window.harness.state().model.discrepancy.result.as_ref().unwrap() {
+        let fit = curve.fit.unwrap();
+        let p = stratcli::table::with_error(fit.exponent, fit.std_error);
+        assert!(window.sees(&format!("p = {p}")), "p = {p} is not on screen");
+    }
 
     window.harness.key_down(Key::C);
     window.harness.step();

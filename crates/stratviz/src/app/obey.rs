@@ -81,7 +81,10 @@ impl App {
                 ] {
                     planned.clear();
                 }
-                self.study_again();
+                match state.page {
+                    Page::Trade => work.trade(state, model),
+                    Page::Pixel | Page::Theory | Page::Patterns => self.study_again(),
+                }
             }
             Command::ForgetKept => {
                 for study in &mut model.studies {

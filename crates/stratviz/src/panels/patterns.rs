@@ -9,10 +9,10 @@ use crate::jobs::Drawn;
 use crate::model::{Model, Piece, Progress};
 use crate::state::{PatternWords, State};
 use eframe::egui::{
-    self, Align, Color32, ColorImage, ComboBox, DragValue, Layout, Rect, Sense, Stroke,
+    self, Align, Color32, ColorImage, ComboBox, DragValue, Layout, Rangef, Rect, Sense, Stroke,
     StrokeKind, TextureHandle, TextureOptions, Ui, UiBuilder, WidgetInfo, pos2, vec2,
 };
-use egui_plot::{HLine, Line, LineStyle, MarkerShape, Plot, Points};
+use egui_plot::{AxisHints, HLine, Line, LineStyle, MarkerShape, Plot, Points};
 use stratcli::report::chart::label;
 use stratcli::report::discrepancy::{interval, rates};
 use stratcli::report::spectrum::{SamplerSpectrum, power_map};
@@ -184,7 +184,7 @@ fn square(ui: &mut Ui, name: &str) -> Rect {
     Rect::from_center_size(area.center(), vec2(side, side))
 }
 
-/// Key to the samplers: colour, marker's curve, and the exponent of the discrepancy.
+/// Key to the samplers: their colours, and the exponents of their discrepancies.
 fn legend(ui: &mut Ui, model: &Model) {
     let dark = ui.visuals().dark_mode;
     let curves = model.discrepancy.result.iter().flatten();
@@ -193,13 +193,16 @@ fn legend(ui: &mut Ui, model: &Model) {
     let others = spectra.map(|s| (s.name, s.scramble, None)).skip(known.len());
     ui.horizontal_wrapped(|ui| {
         for (name, scramble, fit) in known.iter().copied().chain(others) {
-            super::curve::swatch(ui, colours::sampler(name, dark));
-            let mut text = label(name, scramble);
-            if let Some(fit) = fit {
-                text += &format!(", discrepancy ~ 1/N^{}", with_error(fit.exponent, fit.std_error));
-            }
-            ui.label(text);
-            ui.add_space(8.0);
+            ui.horizontal(|ui| {
+                super::curve::swatch(ui, colours::sampler(name, dark));
+                ui.label(label(name, scramble));
+                if let Some(fit) = fit {
+                    let p = with_error(fit.exponent, fit.std_error);
+                    let hint = "the discrepancy falls as N^-p";
+                    ui.weak(format!("p = {p}")).on_hover_text(hint);
+                }
+            });
+            ui.add_space(6.0);
         }
     });
 }
@@ -290,8 +293,8 @@ fn radial(ui: &mut Ui, spectra: &Piece<Vec<SamplerSpectrum>>) {
     Plot::new("radial")
         .allow_scroll(false)
         .allow_boxed_zoom(false)
-        .x_axis_label("frequency, cycles per side")
-        .y_axis_label("mean power")
+        .custom_x_axes(vec![axis(AxisHints::new_x().label("frequency, cycles per side"))])
+        .custom_y_axes(vec![axis(AxisHints::new_y().label("mean power"))])
         .include_y(0.0)
         .include_x(0.0)
         .show(ui, |plot| {
@@ -308,12 +311,17 @@ fn radial(ui: &mut Ui, spectra: &Piece<Vec<SamplerSpectrum>>) {
         });
 }
 
+/// Names its marks where there is little room, too.
+fn axis(hints: AxisHints<'_>) -> AxisHints<'_> {
+    hints.label_spacing(Rangef::new(16.0, 30.0))
+}
+
 fn discrepancy(ui: &mut Ui, words: &PatternWords, found: &Piece<Vec<DiscrepancyCurve>>) {
     let dark = ui.visuals().dark_mode;
     let muted = ui.visuals().weak_text_color();
     let measure = words.measure.parse::<Measure>().ok();
     let title = format!("Discrepancy: {}", words.measure);
-    caption(ui, &title, "", &found.progress);
+    caption(ui, &title, &format!("mean of {}", words.sets), &found.progress);
     let curves = found.result.as_deref().unwrap_or_default();
     log_log("discrepancy", "points, N", "mean discrepancy").show(ui, |plot| {
         let rows = || curves.iter().flat_map(|curve| &curve.rows).filter(|row| row.mean > 0.0);

@@ -62,7 +62,7 @@ pub fn log_log<'a>(id: &str, x_name: &'static str, y_name: &'static str) -> Plot
         .allow_scroll(false)
         .allow_boxed_zoom(false)
         .show_axes(Vec2b::TRUE)
-        .set_margin_fraction(Vec2::new(0.07, 0.06))
+        .set_margin_fraction(Vec2::new(0.1, 0.06))
         .x_axis_label(x_name)
         .y_axis_label(y_name)
         .x_grid_spacer(decades)
@@ -169,13 +169,13 @@ pub fn decades(input: GridInput) -> Vec<GridMark> {
     marks
 }
 
-/// A power of ten as people write it; 2 and 5 times it where less than a decade is seen.
+/// A power of ten as people write it; 2 and 5 times it where only one or two of them are seen.
 pub fn power(mark: GridMark, span: f64) -> String {
     let decade = mark.value.round();
     let value = 10f64.powf(mark.value);
     let is_decade = (mark.value - decade).abs() < 1e-6;
     let digit = (value / 10f64.powf(mark.value.floor())).round();
-    if !is_decade && !(span < 1.2 && (digit == 2.0 || digit == 5.0)) {
+    if !is_decade && !(span < 1.7 && (digit == 2.0 || digit == 5.0)) {
         return String::new();
     }
     if (-3.0..6.0).contains(&decade) {

@@ -15,7 +15,7 @@ use stratcore::trade::{Choice, SamplerTrade, TradeResult, TradeRow};
 
 /// Draws the trade page.
 pub fn ui(ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
-    let mut command = controls(ui, state, model);
+    let command = controls(ui, state, model);
     let progress = &model.trade.progress;
     if let Progress::Failed(fault) = progress {
         ui.colored_label(ui.visuals().error_fg_color, fault);
@@ -30,9 +30,6 @@ pub fn ui(ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
                  way to the error that is set above."
             }
         });
-    }
-    if command.is_none() && progress.is_running() && ui.button("Cancel").clicked() {
-        command = Some(Command::Stop);
     }
     command
 }
