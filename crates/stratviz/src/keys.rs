@@ -11,12 +11,7 @@ use eframe::egui::{Context, Event, Key, Modifiers};
 use std::path::Path;
 
 /// What the keys pressed in this frame ask for.
-pub fn wishes(
-    ctx: &Context,
-    state: &State,
-    model: &Model,
-    hovered: Option<[u32; 2]>,
-) -> Vec<Wish> {
+pub fn wishes(ctx: &Context, state: &State, model: &Model, hovered: Option<[u32; 2]>) -> Vec<Wish> {
     let mut wishes = dropped_files(ctx);
     if ctx.text_edit_focused() {
         return wishes;
@@ -92,7 +87,11 @@ fn wish(key: Key, modifiers: Modifiers, state: &State, model: &Model) -> Option<
         Key::M if matches!(model.map_progress, Progress::Running(_)) => Command::CancelMap,
         Key::M => Command::StartMap,
         Key::Space => {
-            if model.is_busy() { Command::Stop } else { Command::Restart }
+            if model.is_busy() {
+                Command::Stop
+            } else {
+                Command::Restart
+            }
         }
         Key::N => {
             let n = step_count(state.inside.n, !shift);

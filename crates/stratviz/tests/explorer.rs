@@ -1,11 +1,11 @@
 //! The explorer driven through its accessibility tree: no display, no GPU.
 
+use clap::Parser as _;
 use eframe::egui::{Key, Modifiers, OutputCommand, Pos2, Role, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use std::sync::{Arc, mpsc};
 use std::time::Duration;
-use clap::Parser as _;
 use stratcli::cli::{Cli, Command as Words};
 use stratcli::plan;
 use stratcli::report::spectrum::SamplerSpectrum;
@@ -441,7 +441,12 @@ fn a_pixel_is_removed_and_a_dropped_file_is_opened() {
     for pressed in [true, false] {
         let button = eframe::egui::PointerButton::Secondary;
         let modifiers = Modifiers::NONE;
-        window.harness.event(eframe::egui::Event::PointerButton { pos: at, button, pressed, modifiers });
+        window.harness.event(eframe::egui::Event::PointerButton {
+            pos: at,
+            button,
+            pressed,
+            modifiers,
+        });
     }
     window.harness.run_steps(2);
     assert_eq!(window.harness.state().state.pixels, [[30, 200]]);

@@ -70,7 +70,11 @@ pub fn run(args: &PointsArgs, common: &Common) -> Result<Outcome> {
         None => output::print(&text)?,
     }
     if !common.quiet && n_used != plan.n {
-        output::note(&format!("note: {} has no {} points; these are {n_used}", sampler.name(), plan.n));
+        output::note(&format!(
+            "note: {} has no {} points; these are {n_used}",
+            sampler.name(),
+            plan.n
+        ));
     }
     Ok(Outcome::Done)
 }

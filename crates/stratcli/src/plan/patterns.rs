@@ -267,11 +267,7 @@ fn sets_of_samplers(args: &DiscrepancyArgs, common: &Common) -> Result<(StudyPla
 }
 
 /// Every set of a file, as it is.
-fn sets_of_file(
-    path: &str,
-    args: &DiscrepancyArgs,
-    common: &Common,
-) -> Result<(StudyPlan, usize)> {
+fn sets_of_file(path: &str, args: &DiscrepancyArgs, common: &Common) -> Result<(StudyPlan, usize)> {
     let file = PointFile::load(path)?;
     let counts = file.counts();
     let plan = StudyPlan {

@@ -284,7 +284,11 @@ mod tests {
         let jobs = [("first", true), ("whole", false)].map(|(name, first)| {
             let (way, passed) = (way.clone(), passed.clone());
             Job::<()>::spawn(name, wake.clone(), move |reporter| {
-                if first { way.give_first(reporter) } else { way.give(reporter) }
+                if first {
+                    way.give_first(reporter)
+                } else {
+                    way.give(reporter)
+                }
                 passed.send(name).unwrap();
             })
         });

@@ -77,8 +77,7 @@ pub fn spectra(
             let progress = |points| {
                 reporter.progress(done.fetch_add(points, Ordering::Relaxed) + points, total);
             };
-            let control =
-                Control { cancel: reporter.cancel(), progress: &progress, clock: None };
+            let control = Control { cancel: reporter.cancel(), progress: &progress, clock: None };
             for at in 0..plan.len() {
                 way.give_first(reporter);
                 let mut last = None::<Instant>;
@@ -117,8 +116,7 @@ pub fn discrepancy(
             let progress = |pairs| {
                 reporter.progress(done.fetch_add(pairs, Ordering::Relaxed) + pairs, total);
             };
-            let control =
-                Control { cancel: reporter.cancel(), progress: &progress, clock: None };
+            let control = Control { cancel: reporter.cancel(), progress: &progress, clock: None };
             for &choice in &plan.samplers {
                 way.give_first(reporter);
                 let plan = StudyPlan { samplers: vec![choice], ..plan.clone() };

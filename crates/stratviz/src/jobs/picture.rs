@@ -86,11 +86,7 @@ fn lattice_len(resolution: [u32; 2], step: u32) -> u64 {
 
 /// The lattice of this step, row by row, in blocks of a few milliseconds' work: as long a click
 /// may have to wait.
-fn blocks(
-    [width, height]: [u32; 2],
-    step: u32,
-    spp: u64,
-) -> impl Iterator<Item = Vec<[u32; 2]>> {
+fn blocks([width, height]: [u32; 2], step: u32, spp: u64) -> impl Iterator<Item = Vec<[u32; 2]>> {
     const SAMPLES: u64 = 4096;
     let len = (SAMPLES / spp).clamp(16, SAMPLES) as usize;
     let mut pixels = (0..height)

@@ -6,9 +6,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use stratcore::integrand::{self, Integrand};
 use stratcore::scene::Channel;
-use stratcore::study::{
-    Control, StudyPlan, StudyResult, Tightness, study_live, study_until,
-};
+use stratcore::study::{Control, StudyPlan, StudyResult, Tightness, study_live, study_until};
 use stratcore::trace::TracedScene;
 
 /// What is studied.

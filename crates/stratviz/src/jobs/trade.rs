@@ -54,8 +54,7 @@ pub fn trade_job(
             let progress = |samples| {
                 reporter.progress(done.fetch_add(samples, Ordering::Relaxed) + samples, total);
             };
-            let control =
-                Control { cancel: reporter.cancel(), progress: &progress, clock: None };
+            let control = Control { cancel: reporter.cancel(), progress: &progress, clock: None };
             let result = trade(&subjects, &plan, &|| start.elapsed(), control);
             let result = result.map_err(|error| error.to_string())?;
             Ok(Traded { pixels, study: plan.study, result })

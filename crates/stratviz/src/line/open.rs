@@ -60,11 +60,7 @@ fn open_words(words: &[String], mut state: State) -> Result<State, String> {
             state.theory = TheoryWords {
                 name: args.name.clone(),
                 dim: args.dim.or(dim.map(|info| info.default_dim())).unwrap_or(2),
-                params: params
-                    .map_err(in_words)?
-                    .into_iter()
-                    .chain(occluder)
-                    .collect(),
+                params: params.map_err(in_words)?.into_iter().chain(occluder).collect(),
             };
             read_study(&mut state.study, &args.study)?;
             state.page = Page::Theory;

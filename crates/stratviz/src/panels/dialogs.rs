@@ -94,7 +94,9 @@ impl Dialog {
             Question::SaveCurve | Question::SaveDiscrepancies => {
                 ".csv: every number. .svg or .png: the chart."
             }
-            Question::OpenLine => "Lines of stratcli pixel, integrand, trade, points, spectrum, discrepancy, render or inspect.",
+            Question::OpenLine => {
+                "Lines of stratcli pixel, integrand, trade, points, spectrum, discrepancy, render or inspect."
+            }
         }
     }
 

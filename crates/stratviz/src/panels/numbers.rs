@@ -13,10 +13,9 @@ pub const FROM: f32 = 56.0;
 pub fn paint(painter: &Painter, view: &View, state: &State, model: &Model) {
     const LINE: f32 = 12.0;
     let seen = painter.clip_rect().intersect(view.whole());
-    let (Some(first), Some(last)) = (
-        view.pixel_at(seen.min + vec2(0.5, 0.5)),
-        view.pixel_at(seen.max - vec2(0.5, 0.5)),
-    ) else {
+    let (Some(first), Some(last)) =
+        (view.pixel_at(seen.min + vec2(0.5, 0.5)), view.pixel_at(seen.max - vec2(0.5, 0.5)))
+    else {
         return;
     };
     let gain = state.picture.exposure.exp2();

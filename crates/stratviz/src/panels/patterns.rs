@@ -301,9 +301,8 @@ fn radial(ui: &mut Ui, spectra: &Piece<Vec<SamplerSpectrum>>) {
             let white = HLine::new("white noise", 1.0).color(muted);
             plot.hline(white.style(LineStyle::dashed_dense()).allow_hover(false));
             for spectrum in found {
-                let place = |ring: &stratcore::spectrum::Ring| {
-                    [ring.frequency, ring.power.min(MOST)]
-                };
+                let place =
+                    |ring: &stratcore::spectrum::Ring| [ring.frequency, ring.power.min(MOST)];
                 let points: Vec<_> = spectrum.rings.iter().map(place).collect();
                 let colour = colours::sampler(spectrum.name, dark);
                 plot.line(Line::new(spectrum.name, points).color(colour).width(1.5));
@@ -327,9 +326,10 @@ fn discrepancy(ui: &mut Ui, words: &PatternWords, found: &Piece<Vec<DiscrepancyC
         let rows = || curves.iter().flat_map(|curve| &curve.rows).filter(|row| row.mean > 0.0);
         let lowest = rows().map(|row| row.mean.log10()).fold(f64::INFINITY, f64::min);
         let last = rows().map(|row| row.n_used).max().unwrap_or(1) as f64;
-        let start = curves.iter().rev().find_map(|curve| {
-            curve.rows.iter().find(|row| row.n_used > 1 && row.mean > 0.0)
-        });
+        let start = curves
+            .iter()
+            .rev()
+            .find_map(|curve| curve.rows.iter().find(|row| row.n_used > 1 && row.mean > 0.0));
         if let (Some(row), Some(measure)) = (start, measure) {
             let from = [(row.n_used as f64).log10(), row.mean.log10()];
             for (name, p) in rates(measure) {

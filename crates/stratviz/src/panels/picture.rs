@@ -233,13 +233,7 @@ impl PicturePanel {
         self.view.reveal(pixel);
     }
 
-    fn paint_layers(
-        &mut self,
-        ui: &Ui,
-        painter: &Painter,
-        state: &State,
-        model: &Model,
-    ) {
+    fn paint_layers(&mut self, ui: &Ui, painter: &Painter, state: &State, model: &Model) {
         let (origin, scale) = (self.view.origin(), self.view.scale());
         let PictureWords { exposure, overlay, opacity, .. } = state.picture;
         let gain = exposure.exp2();

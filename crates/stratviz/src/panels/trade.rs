@@ -10,6 +10,7 @@ use crate::model::{Model, Progress};
 use crate::state::State;
 use eframe::egui::{self, DragValue, Grid, RichText, Ui};
 use egui_plot::{HLine, Line, LineStyle, MarkerShape, Points};
+use stratcli::report::chart::label;
 use stratcli::report::trade::words;
 use stratcore::trade::{Choice, SamplerTrade, TradeResult, TradeRow};
 
@@ -103,7 +104,7 @@ fn ways(ui: &mut Ui, choice: &Choice) {
         }
         ui.end_row();
         for (i, reach) in choice.reach.iter().enumerate() {
-            let name = words::name(reach.name, reach.scramble);
+            let name = label(reach.name, reach.scramble);
             let name = RichText::new(name).color(colours::sampler(reach.name, dark));
             ui.label(if choice.best == Some(i) { name.strong() } else { name });
             ui.label(reach.n_safe.map_or_else(dash, |n| n.to_string()));

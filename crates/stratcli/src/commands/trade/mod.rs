@@ -1,19 +1,22 @@
 //! `trade`: what error costs how much time.
 
 mod needed;
+mod pin;
 
 use super::Outcome;
+use super::reproduce::link_from_report;
 use crate::cli::{Common, TradeArgs};
 use crate::output::{self, AtomicFile};
 use crate::plan;
 use crate::progress::Progress;
 use crate::report::PlotFile;
+use crate::report::page;
 use crate::report::trade::{self as figures, csv, words};
 use anyhow::{Context, Result, ensure};
 use serde::Serialize;
 use std::time::Instant;
 use stratcore::integrand::{self, CATALOGUE, Integrand};
-use stratcore::scene::Channel;
+use stratcore::scene::{Channel, SceneError};
 use stratcore::trace::TracedScene;
 use stratcore::trade::{Subject, TradeResult, trade};
 
@@ -24,6 +27,8 @@ struct Document<'a> {
     about: &'a About,
     #[serde(flatten)]
     result: &'a TradeResult,
+    /// The core that times were measured on; none where the thread was free to move.
+    timed_on_core: Option<usize>,
     recommendations: &'a [String],
 }
 
@@ -54,7 +59,13 @@ pub fn run(args: &TradeArgs, common: &Common) -> Result<Outcome> {
          integrands`)",
         args.subject
     );
-    let scene = super::load(&args.subject, common)?;
+    let scene = super::load(&args.subject, common).map_err(|error| match error.downcast_ref() {
+        Some(SceneError::UnknownScene { .. }) => error.context(format!(
+            "{}: not an integrand (see `stratcli list integrands`)",
+            args.subject
+        )),
+        _ => error,
+    })?;
     if let Some(path) = &args.needed {
         return needed::run(scene, path, args, common);
     }
@@ -100,19 +111,22 @@ fn measure(
     let plan = plan::trade_plan(args, common, dim)?;
     let csv_file = args.csv.as_deref().map(AtomicFile::create).transpose()?;
     let plot = args.plot.as_deref().map(PlotFile::create).transpose()?;
-    let page = match &args.report {
+    let html_file = match &args.report {
         Some(folder) => {
             std::fs::create_dir_all(folder)
                 .with_context(|| format!("cannot make the folder {}", folder.display()))?;
-            let path = folder.join("trade.html");
-            Some((AtomicFile::create(&path)?, path))
+            let path = folder.join(figures::PAGE);
+            Some((AtomicFile::create(&path)?, path, folder))
         }
         None => None,
     };
-    let progress = Progress::new("measuring", plan::trade_samples(&plan.study, dim, subjects.len())?, common);
+    let progress =
+        Progress::new("measuring", plan::trade_samples(&plan.study, dim, subjects.len())?, common);
     let start = Instant::now();
+    let pinned = pin::to_one_core();
+    let core = pinned.core;
     let result = trade(subjects, &plan, &|| start.elapsed(), progress.control())?;
-    drop(progress);
+    drop((pinned, progress));
 
     let recommendations: Vec<_> =
         result.choices.iter().map(|choice| words::recommendation(choice, &result)).collect();
@@ -124,26 +138,33 @@ fn measure(
     if let Some(file) = plot {
         file.commit(&chart)?;
     }
-    let written = match page {
-        Some((file, path)) => {
+    let written = match html_file {
+        Some((file, path, folder)) => {
             let tables = words::tables(&result);
-            let html = figures::page(
+            let html = figures::render(
                 &about.title,
                 &chart,
                 &recommendations,
-                &words::method(&result),
+                &words::method(&result, core),
                 &tables,
+                folder.join(page::NAME).exists(),
             );
             file.commit(html.as_bytes())?;
+            link_from_report(folder, figures::PAGE, figures::TITLE)?;
             format!("\n{}\n", path.display())
         }
         None => String::new(),
     };
     if common.json {
         let recommendations = &recommendations;
-        output::print_json(Document { about, result: &result, recommendations })?;
+        output::print_json(Document {
+            about,
+            result: &result,
+            timed_on_core: core,
+            recommendations,
+        })?;
     } else {
-        let text = words::text(&about.title, &result, &recommendations);
+        let text = words::text(&about.title, &result, core, &recommendations);
         output::print(&(text + &written))?;
     }
     Ok(Outcome::Done)
