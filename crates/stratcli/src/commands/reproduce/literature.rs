@@ -11,9 +11,9 @@ use crate::report::literature::{self, PAGE, TITLE, Table};
 use crate::report::loglog;
 use crate::report::page::{self, Figure};
 use anyhow::{Context, Result};
-use std::fs;
 use std::path::Path;
 use stratcore::StudyError;
+use stratcore::input::{self, MAX_DATA};
 use stratcore::literature::{Claim, Effort, LiteratureError, by_id, claims};
 
 pub fn run(args: &ReproduceArgs, common: &Common) -> Result<Outcome> {
@@ -96,7 +96,7 @@ fn write_all(folder: &Path, table: &Table, figures: &[Figure]) -> Result<()> {
 /// A report of the paper that is there already gets its link.
 fn link_from_report(folder: &Path) -> Result<()> {
     let path = folder.join(page::NAME);
-    match fs::read_to_string(&path) {
+    match input::read_text(&path, MAX_DATA) {
         Ok(report) => write(&path, page::with_link(&report, PAGE, TITLE).as_bytes()),
         // There is none, or it is not ours to touch.
         Err(_) => Ok(()),
