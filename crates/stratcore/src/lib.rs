@@ -16,6 +16,7 @@ pub mod discrepancy;
 pub mod error;
 pub mod exact;
 pub mod fit;
+pub mod input;
 pub mod integrand;
 pub mod literature;
 pub mod map;
