@@ -13,6 +13,7 @@
 pub mod beam;
 pub mod counts;
 pub mod discrepancy;
+mod double;
 pub mod error;
 pub mod exact;
 pub mod fit;
@@ -26,6 +27,7 @@ pub mod sampler;
 pub mod scene;
 pub mod simd;
 pub mod spectrum;
+pub mod stability;
 pub mod study;
 pub mod theory;
 pub mod trace;
