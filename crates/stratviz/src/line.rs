@@ -110,7 +110,7 @@ pub fn study_plan(words: &[String], dim: usize) -> Result<StudyPlan, String> {
     let plan = match &cli.command {
         Command::Pixel(args) => plan::study_plan(&args.study.protocol, &cli.common, dim),
         Command::Integrand(args) => plan::study_plan(&args.study.protocol, &cli.common, dim),
-        Command::Trade(args) => plan::trade_study_plan(args, &cli.common, dim),
+        Command::Trade(args) => plan::study_plan(&args.protocol, &cli.common, dim),
         _ => return Err("these words are no study".to_owned()),
     };
     plan.map_err(|error| format!("{error:#}"))

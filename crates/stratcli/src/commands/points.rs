@@ -33,8 +33,7 @@ pub fn run(args: &PointsArgs, common: &Common) -> Result<Outcome> {
     const MOST: u64 = 1 << 26;
     /// Dots in one drawing.
     const MOST_DRAWN: u64 = 1 << 16;
-    let names = std::slice::from_ref(&args.sampler);
-    let choice = plan::samplers(names, args.scramble.as_deref())?[0];
+    let choice = plan::sampler("--sampler", &args.sampler, args.scramble.as_deref())?;
     let (sampler, scramble) = (choice.sampler, choice.scramble);
     let PointsArgs { n, dim, trial, sets, .. } = *args;
     ensure!(n >= 1, "-n {n}: a set has at least 1 point");

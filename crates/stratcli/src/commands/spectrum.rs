@@ -113,7 +113,9 @@ fn of_points(
     ensure!(n >= 1, "-n {n}: a set has at least 1 point");
     let axes = plan::axes(args.axes.as_deref().unwrap_or("0,1"), dim)?;
     let policy = args.n_policy.map_or(CountPolicy::Error, CountPolicy::from);
-    let trials = args.trials.unwrap_or(50);
+    // Of a file all sets.
+    let sets = file.map(|file| file.most_trials(n, Scramble::None));
+    let trials = args.trials.or(sets).unwrap_or(50);
     let cutoff =
         args.cutoff.unwrap_or_else(|| (4.0 * (n as f64).sqrt()).ceil().clamp(16.0, 256.0) as u32);
     let counts_used: Vec<_> = choices

@@ -137,7 +137,7 @@ fn measure(
 ) -> Result<Outcome> {
     let dim = subjects.first().context("there are no pixels")?.integrand.dim();
     let plan = TradePlan {
-        study: plan::trade_study_plan(args, common, dim)?,
+        study: plan::study_plan(&args.protocol, common, dim)?,
         targets: plan::targets(&args.targets)?,
         eval_cost: args.eval_cost.as_deref().map(plan::duration_ns).transpose()?,
     };

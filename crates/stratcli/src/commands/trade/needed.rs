@@ -36,7 +36,7 @@ pub fn run(scene: Scene, path: &Path, args: &TradeArgs, common: &Common) -> Resu
         "--needed {}: name a file that ends in .exr",
         path.display()
     );
-    let mut study = plan::trade_study_plan(args, common, 2)?;
+    let mut study = plan::study_plan(&args.protocol, common, 2)?;
     // Random points need no map of their own kind to be beaten: the first other sampler is meant.
     study.samplers.sort_by_key(|choice| choice.sampler.name() == "random");
     study.counts_used(2)?;
