@@ -4,8 +4,7 @@ use super::hash::splitmix;
 use super::permutation::Permutation;
 use super::random::UniformPoints;
 use super::{
-    Admissible, BELOW_ONE, Facts, Jittered, Kind, PointSet, Points, Sampler, Scramble,
-    strata_per_axis,
+    Admissible, BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble, strata_per_axis,
 };
 use crate::simd::Isa;
 

@@ -1,8 +1,6 @@
 //! The centres of a grid's cells: the deterministic set that jittering randomises.
 
-use super::{
-    Admissible, Facts, Jittered, Kind, PointSet, Points, Sampler, Scramble, strata_per_axis,
-};
+use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble, strata_per_axis};
 use crate::simd::Isa;
 
 /// The centres of the cells of a k^d (or k₁ × … × k_d) grid. Under a torus shift all points

@@ -4,7 +4,7 @@ use super::halton::{BASES, SCRAMBLES, radical_inverses};
 use super::hash::splitmix;
 use super::radical::{FractionLoop, RadicalInverse, Tail};
 use super::sobol::MOST_POINTS;
-use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
+use super::{Admissible, Facts, Kind, PointSet, Points, Sampler};
 use crate::simd::{self, BLOCK, Divisor, Isa};
 
 /// i/N and the Halton sequence in d - 1 dimensions. Scrambles work on the digits of the latter
