@@ -254,7 +254,7 @@ pub struct StudyArgs {
     #[arg(long, value_name = "p:W|var:SHARE", conflicts_with = "trials")]
     pub until: Option<String>,
     /// Stop at so many trials even if not sure
-    #[arg(long, value_name = "M", default_value_t = 100_000, requires = "until")]
+    #[arg(long, value_name = "M", default_value_t = 100_000, requires = "until", value_parser = clap::value_parser!(u32).range(2..))]
     pub max_trials: u32,
 }
 

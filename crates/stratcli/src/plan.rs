@@ -1,5 +1,14 @@
 //! From words as typed to the objects that a study works with.
 
+mod patterns;
+mod trade;
+
+pub use patterns::{
+    PointSpectra, PointsPlan, discrepancy, is_scene, point_file, point_spectra, points,
+    spectrum_samplers, total_pairs,
+};
+pub use trade::{trade_pixels, trade_plan, trade_samples};
+
 use crate::cli::{Common, NPolicy, ProtocolArgs, StudiedChannel, TracerChoice};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use serde::Serialize;

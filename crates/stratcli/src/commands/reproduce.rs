@@ -22,6 +22,7 @@ use crate::table::{Align, columns};
 use anyhow::Result;
 use form_factor::SIDE;
 use output::Report;
+pub use output::link_from_report;
 use stratcore::StudyError;
 use stratcore::integrand::Integrand as _;
 use stratcore::scene::Channel;
