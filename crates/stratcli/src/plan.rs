@@ -1,5 +1,14 @@
 //! From words as typed to the objects that a study works with.
 
+mod patterns;
+mod trade;
+
+pub use patterns::{
+    PointSpectra, PointsPlan, discrepancy, is_scene, point_file, point_spectra, points,
+    spectrum_samplers, total_pairs,
+};
+pub use trade::{trade_pixels, trade_plan, trade_samples};
+
 use crate::cli::{Common, NPolicy, ProtocolArgs, StudiedChannel, TracerChoice, TradeArgs};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use serde::Serialize;
@@ -128,7 +137,7 @@ pub fn duration_ns(text: &str) -> Result<f64> {
     let units = [("ns", 1.0), ("us", 1e3), ("µs", 1e3), ("ms", 1e6), ("s", 1e9)];
     let read = units.iter().find_map(|(unit, ns)| {
         let value: f64 = text.trim().strip_suffix(unit)?.trim().parse().ok()?;
-        (value.is_finite() && value >= 0.0).then_some(value * ns)
+        Some(value * ns).filter(|ns| ns.is_finite() && *ns >= 0.0)
     });
     read.with_context(|| format!("--eval-cost {text}: not a time; write 40ns, 1us, 2ms or 1s"))
 }

@@ -10,6 +10,7 @@ use stratcore::discrepancy::Measure;
 use stratcore::integrand::{CATALOGUE, IntegrandInfo, ParamInfo};
 use stratcore::sampler::{Facts, Kind, SHELF, Sampler, Scramble};
 use stratcore::scene::library::SCENES;
+use stratcore::stability::FAMILIES;
 
 #[derive(Serialize)]
 struct SamplerEntry {
@@ -40,8 +41,9 @@ struct ParamEntry {
     meaning: &'static str,
 }
 
+/// What has a name and one line of help.
 #[derive(Serialize)]
-struct SceneEntry {
+struct NamedEntry {
     name: &'static str,
     summary: &'static str,
 }
@@ -61,9 +63,11 @@ struct Listing {
     #[serde(skip_serializing_if = "Option::is_none")]
     integrands: Option<Vec<IntegrandEntry>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    scenes: Option<Vec<SceneEntry>>,
+    scenes: Option<Vec<NamedEntry>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     discrepancies: Option<Vec<DiscrepancyEntry>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    extremes: Option<Vec<NamedEntry>>,
 }
 
 pub fn run(args: &ListArgs, common: &Common) -> Result<Outcome> {
@@ -73,6 +77,7 @@ pub fn run(args: &ListArgs, common: &Common) -> Result<Outcome> {
         integrands: wanted(Listed::Integrands).then(integrands),
         scenes: wanted(Listed::Scenes).then(scenes),
         discrepancies: wanted(Listed::Discrepancies).then(discrepancies),
+        extremes: wanted(Listed::Extremes).then(extremes),
     };
     if common.json {
         output::print_json(listing)?;
@@ -106,8 +111,8 @@ fn integrands() -> Vec<IntegrandEntry> {
     CATALOGUE.iter().map(entry).collect()
 }
 
-fn scenes() -> Vec<SceneEntry> {
-    SCENES.iter().map(|s| SceneEntry { name: s.name, summary: s.summary }).collect()
+fn scenes() -> Vec<NamedEntry> {
+    SCENES.iter().map(|s| NamedEntry { name: s.name, summary: s.summary }).collect()
 }
 
 fn discrepancies() -> Vec<DiscrepancyEntry> {
@@ -117,6 +122,10 @@ fn discrepancies() -> Vec<DiscrepancyEntry> {
         only_dim: m.only_dim(),
     };
     Measure::ALL.map(entry).into()
+}
+
+fn extremes() -> Vec<NamedEntry> {
+    FAMILIES.iter().map(|f| NamedEntry { name: f.name, summary: f.title }).collect()
 }
 
 fn text(listing: &Listing) -> String {
@@ -152,6 +161,9 @@ fn text(listing: &Listing) -> String {
     if let Some(measures) = &listing.discrepancies {
         let row = |m: &DiscrepancyEntry| named(m.name, m.summary);
         sections.push(("discrepancies", measures.iter().map(row).collect()));
+    }
+    if let Some(families) = &listing.extremes {
+        sections.push(("extremes", families.iter().map(|f| named(f.name, f.summary)).collect()));
     }
     let section =
         |(title, rows): (&str, Vec<_>)| format!("{title}\n{}", columns(Align::Left, &rows));

@@ -6,7 +6,7 @@
 mod close_up;
 mod form_factor;
 mod literature;
-mod output;
+pub(super) mod output;
 mod pixels;
 mod tally;
 mod verdicts;

@@ -1,5 +1,8 @@
 //! Error against time: the chart of a trade, and its page.
 
+pub mod csv;
+pub mod words;
+
 use super::axis::{self, Axis, INK, MUTED, SMALL, plain};
 use super::chart::{Style, label, styles};
 use super::page;

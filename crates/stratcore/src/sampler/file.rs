@@ -2,6 +2,7 @@
 
 use super::patterns::StoredPoints;
 use super::{Facts, Kind, PointSet, Points, Sampler, Scramble};
+use crate::input;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -101,7 +102,7 @@ impl PointFile {
             path: path.to_owned(),
             fault: PointFileFault::Unreadable(error.to_string()),
         };
-        let bytes = std::fs::read(Path::new(path)).map_err(unreadable)?;
+        let bytes = input::read(Path::new(path), input::MAX_DATA).map_err(unreadable)?;
         Ok(Box::leak(Box::new(Self::parse(path, &bytes)?)))
     }
 

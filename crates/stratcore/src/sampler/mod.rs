@@ -143,7 +143,7 @@ pub struct Facts {
     pub stream_id: u8,
     /// Set or sequence.
     pub kind: Kind,
-    /// Largest dimension it is defined for; [`usize::MAX`] for any.
+    /// Largest dimension it is defined for; [`usize::MAX`] for any, up to [`MAX_DIM`].
     pub max_dim: usize,
     /// Scrambles it takes; the first is its default.
     pub scrambles: &'static [Scramble],
@@ -214,6 +214,9 @@ pub trait Sampler: Send + Sync {
     }
 }
 
+/// The most dimensions of any set.
+pub const MAX_DIM: usize = 1 << 16;
+
 /// The largest f64 below 1.
 const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
@@ -238,7 +241,7 @@ pub fn count_used(
     dim: usize,
     policy: CountPolicy,
 ) -> Result<u64, StudyError> {
-    let max_dim = sampler.facts().max_dim;
+    let max_dim = sampler.facts().max_dim.min(MAX_DIM);
     if dim > max_dim {
         return Err(StudyError::TooManyDimensions { sampler: sampler.name(), dim, max_dim });
     }

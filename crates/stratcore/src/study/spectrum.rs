@@ -18,7 +18,7 @@ const BATCH: u32 = 16;
 /// The mean periodogram of trials 0 .. M of a point set: at most as many as there are different
 /// sets. `axes` are two of the set's dimensions. `set` is as a sampler's
 /// [`points`](sampler::Sampler::points) takes it; its trial is ignored. Progress is counted in
-/// points.
+/// points. `each` is handed the mean so far, which is that of as many trials.
 ///
 /// # Errors
 /// [`StudyError::EmptyPlan`] for no trials; those of [`whole_set`]; [`StudyError::Cancelled`].
@@ -29,6 +29,7 @@ pub fn point_spectrum(
     cutoff: u32,
     n_trials: u32,
     control: Control<'_>,
+    each: &mut dyn FnMut(&Spectrum),
 ) -> Result<Spectrum, StudyError> {
     let n_trials = n_trials.min(sampler.most_trials(set.key.n_samples, set.scramble));
     let periodogram = |trial| {
@@ -45,6 +46,9 @@ pub fn point_spectrum(
         let batch = first..n_trials.min(first.saturating_add(BATCH));
         let spectra: Vec<_> = batch.into_par_iter().map(periodogram).collect::<Result<_, _>>()?;
         mean = Spectrum::mean(mean.into_iter().chain(spectra));
+        if let Some(so_far) = &mean {
+            each(so_far);
+        }
     }
     mean.ok_or(StudyError::EmptyPlan("trials"))
 }
@@ -199,9 +203,14 @@ mod tests {
             rectangular: false,
         };
         let points = |threads| {
-            let run =
-                || point_spectrum(&sampler::Random, &set, [2, 1], 5, 37, Control::unwatched());
-            with_threads(Some(threads), run).unwrap()
+            let mut trials = Vec::new();
+            let spectrum = with_threads(Some(threads), || {
+                let mut each = |so_far: &Spectrum| trials.push(so_far.periodograms());
+                let control = Control::unwatched();
+                point_spectrum(&sampler::Random, &set, [2, 1], 5, 37, control, &mut each)
+            });
+            assert_eq!(trials, [16, 32, 37]);
+            spectrum.unwrap()
         };
         let bits = |s: Spectrum| s.power().iter().map(|p| p.to_bits()).collect::<Vec<_>>();
         assert_eq!(points(1).periodograms(), 37);

@@ -88,6 +88,15 @@ pub struct TradeResult {
     pub choices: Vec<Choice>,
 }
 
+impl TradeResult {
+    /// The ways to another error, by what was measured under `study`; not tried with fresh
+    /// randomness.
+    pub fn ways_to(&self, target: Target, study: &StudyPlan) -> Choice {
+        let error = target.absolute(self.reference.mean);
+        choice::choose(target, error, &self.samplers, study, self.dim)
+    }
+}
+
 /// One sampler's curve of error against time.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SamplerTrade {

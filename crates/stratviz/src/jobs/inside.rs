@@ -70,7 +70,7 @@ pub fn look(
         let magnified = match known {
             Some(known) => Ok(known),
             None => {
-                way.give(reporter);
+                way.give_first(reporter);
                 inside(&traced, asked.pixel, asked.channel, SIDE, control).map(Arc::new)
             }
         };
