@@ -72,9 +72,8 @@ pub fn arguments(data: &[u8]) {
             let _ = plan::pixel(&args.at);
             planned(&args.study, &cli.common, 2).map(|_| ())
         }
-        Command::Trade(args) => plan::targets(&args.targets)
-            .and_then(|_| plan::trade_study_plan(args, &cli.common, 2))
-            .and_then(|plan| Ok(plan.counts_used(2).map(|_| ())?)),
+        Command::Trade(args) => plan::trade_plan(args, &cli.common, 2)
+            .and_then(|plan| Ok(plan.study.counts_used(2).map(|_| ())?)),
         Command::Map(args) => plan::study_plan(&args.protocol, &cli.common, 2)
             .and_then(|plan| Ok(plan.counts_used(2).map(|_| ())?)),
         Command::Points(args) => {
