@@ -17,6 +17,7 @@ mod double;
 pub mod error;
 pub mod exact;
 pub mod fit;
+pub mod input;
 pub mod integrand;
 pub mod literature;
 pub mod map;

@@ -107,7 +107,8 @@ impl App {
         left.show(ui, |ui| commands.extend(self.picture.ui(ui, state, model)));
         egui::Panel::top("study").show(ui, |ui| commands.extend(self.study.ui(ui, state, model)));
         let right = ui.available_rect_before_wrap();
-        if state.page == Page::Pixel {
+        let has_inside = state.page == Page::Pixel && !state.pixels.is_empty();
+        if has_inside {
             let height = layout.inside_height(right.height());
             let bottom = egui::Panel::bottom("inside").resizable(false).exact_size(height);
             bottom.show(ui, |ui| commands.extend(self.inside.ui(ui, state, model)));
@@ -121,7 +122,7 @@ impl App {
             });
         });
         divider::upright(ui, whole, &mut layout.picture);
-        if state.page == Page::Pixel {
+        if has_inside {
             divider::level(ui, right, &mut layout.inside);
         }
         if layout != state.layout {

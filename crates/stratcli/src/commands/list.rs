@@ -20,6 +20,8 @@ struct SamplerEntry {
     kind: Kind,
     /// None where there is no limit.
     max_dim: Option<usize>,
+    /// The N it has, in words.
+    counts: String,
     scrambles: &'static [Scramble],
 }
 
@@ -89,9 +91,10 @@ pub fn run(args: &ListArgs, common: &Common) -> Result<Outcome> {
 
 fn samplers() -> Vec<SamplerEntry> {
     let entry = |s: &&dyn Sampler| {
-        let Facts { name, summary, source, kind, max_dim, scrambles, .. } = s.facts();
+        let Facts { name, summary, source, kind, max_dim, counts, scrambles, .. } = s.facts();
         let max_dim = (max_dim < usize::MAX).then_some(max_dim);
-        SamplerEntry { name, summary, source, kind, max_dim, scrambles }
+        let counts = counts.to_string();
+        SamplerEntry { name, summary, source, kind, max_dim, counts, scrambles }
     };
     SHELF.iter().map(entry).collect()
 }
@@ -135,12 +138,19 @@ fn text(listing: &Listing) -> String {
         let mut rows = Vec::new();
         for sampler in samplers {
             rows.push(named(sampler.name, sampler.summary));
+            let kind = match sampler.kind {
+                Kind::Set => "set",
+                Kind::Sequence => "sequence",
+            };
+            let dims = sampler.max_dim.map_or("any d".to_owned(), |most| format!("d <= {most}"));
+            rows.push(named("", &format!("{kind}, {dims}, N = {}", sampler.counts)));
             if let [default, others @ ..] = sampler.scrambles
                 && !others.is_empty()
             {
                 let others: Vec<_> = others.iter().map(|s| format!("+{s}")).collect();
                 rows.push(named("", &format!("scramble {default}; or {}", others.join(", "))));
             }
+            rows.push(named("", sampler.source));
         }
         rows.push(named("file:PATH", "your own point sets: CSV, or UTK text or binary"));
         sections.push(("samplers", rows));

@@ -23,6 +23,7 @@ pub(super) fn scene(mesh: Mesh, camera: Camera, light: Light) -> Scene {
         filter: None,
         ambient: [0.0; 3],
         background: [0.1, 0.2, 0.3],
+        files: Vec::new(),
         notes: Vec::new(),
     }
 }

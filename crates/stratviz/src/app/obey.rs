@@ -124,6 +124,7 @@ impl App {
         let size = loaded.traced.scene().camera.resolution;
         if state.scene != loaded.spec {
             state.pixels.clear();
+            self.picture.fit();
         }
         state.scene.clone_from(&loaded.spec);
         state.remember(&state.scene.clone());

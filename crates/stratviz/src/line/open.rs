@@ -121,9 +121,9 @@ fn open_trade(state: &mut State, args: &TradeArgs) -> Result<(), String> {
     state.scene.clone_from(&args.subject);
     state.trade = TradeWords { whole: args.at.is_none(), lattice: args.lattice };
     state.study.error = error;
-    state.study.samplers = trimmed(&args.samplers);
-    state.study.counts = args.counts.clone().unwrap_or_default();
-    state.study.n_policy = CountPolicy::from(args.n_policy);
+    state.study.samplers = trimmed(&args.protocol.samplers);
+    state.study.counts = args.protocol.counts.clone().unwrap_or_default();
+    state.study.n_policy = CountPolicy::from(args.protocol.n_policy);
     state.page = Page::Trade;
     Ok(())
 }
@@ -175,14 +175,15 @@ fn open_discrepancy(state: &mut State, args: &DiscrepancyArgs) -> Result<(), Str
     };
     let (sets, counts) = (args.trials.unwrap_or(50), args.counts.clone());
     let words = PatternWords { sets, measure, counts, ..state.patterns.clone() };
-    show_patterns(state, words, dim, [0, 1]);
+    let axes = words.axes;
+    show_patterns(state, words, dim, axes);
     state.study.n_policy = CountPolicy::from(args.n_policy);
     Ok(())
 }
 
 /// Shows patterns in `dim` dimensions, with a discrepancy that is defined there.
 fn show_patterns(state: &mut State, words: PatternWords, dim: usize, axes: [usize; 2]) {
-    state.patterns = PatternWords { axes, ..words.in_dim(dim) };
+    state.patterns = PatternWords { axes, ..words }.in_dim(dim);
     state.page = Page::Patterns;
 }
 
@@ -303,7 +304,7 @@ mod tests {
         );
         let two = "stratcli pixel classic --at 1,2\n\nstratcli pixel classic --at 3,4 --trials 9\n";
         assert_eq!(pixels(two), Ok(vec![[1, 2], [3, 4]]));
-        assert_eq!(pixels("stratcli render classic"), Ok(vec![]));
+        assert_eq!(pixels("stratcli render classic -o a.png"), Ok(vec![]));
         for (text, hint) in [
             ("", "begins with stratcli"),
             ("hello", "begins with stratcli"),

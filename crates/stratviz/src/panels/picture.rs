@@ -86,8 +86,12 @@ impl PicturePanel {
                 },
             );
             if words.overlay != Overlay::Off {
-                let slider = egui::Slider::new(&mut words.opacity, 0.0..=1.0).show_value(false);
-                ui.add(slider).on_hover_text("how much the overlay covers");
+                let mut percent = 100.0 * words.opacity;
+                let covers = egui::DragValue::new(&mut percent).range(0.0..=100.0).suffix(" %");
+                let covers = covers.fixed_decimals(0);
+                if ui.add(covers).on_hover_text("how much the overlay covers").changed() {
+                    words.opacity = percent / 100.0;
+                }
             }
             command = map_button(ui, state, model);
         });
@@ -217,6 +221,11 @@ impl PicturePanel {
                 self.view.set_scale(1.0);
             }
         });
+    }
+
+    /// Shows the whole picture.
+    pub fn fit(&mut self) {
+        self.view.fit();
     }
 
     /// Moves the view so that a pixel can be seen.

@@ -11,6 +11,7 @@ use crate::report::trade;
 use anyhow::{Context, Result};
 use std::fs;
 use std::path::{Path, PathBuf};
+use stratcore::input::{self, MAX_DATA};
 
 /// A report being written.
 pub struct Report {
@@ -60,7 +61,7 @@ impl Report {
 /// A report of the paper that is there already gets its link to another page in the folder.
 pub fn link_from_report(folder: &Path, file: &str, title: &str) -> Result<()> {
     let path = folder.join(page::NAME);
-    match fs::read_to_string(&path) {
+    match input::read_text(&path, MAX_DATA) {
         Ok(report) => write(&path, page::with_link(&report, file, title).as_bytes()),
         // There is none, or it is not ours to touch.
         Err(_) => Ok(()),

@@ -50,7 +50,7 @@ pub fn run(scene: Scene, path: &Path, args: &TradeArgs, common: &Common) -> Resu
     let [width, height] = scene.camera.resolution;
     let traced = TracedScene::new(scene);
     let dim = traced.pixel([0, 0], Channel::Luminance).dim();
-    let mut study = plan::trade_study_plan(args, common, dim)?;
+    let mut study = plan::study_plan(&args.protocol, common, dim)?;
     // Random points need no map to be beaten: they are mapped where they are asked for alone.
     if study.samplers.iter().any(|choice| choice.sampler.name() != "random") {
         study.samplers.retain(|choice| choice.sampler.name() != "random");
