@@ -14,6 +14,7 @@ mod halton;
 mod hammersley;
 mod hash;
 mod jittered;
+mod jittered_padded;
 mod lhs;
 mod memo;
 mod oa;
@@ -40,6 +41,7 @@ pub use grid::Grid;
 pub use halton::Halton;
 pub use hammersley::Hammersley;
 pub use jittered::{Jittered, strata_per_axis};
+pub use jittered_padded::JitteredPadded;
 pub use lhs::LatinHypercube;
 pub use oa::OrthogonalArray;
 pub use padded::Padded;
@@ -62,6 +64,7 @@ use scramble::Shifted;
 pub const SHELF: &[&dyn Sampler] = &[
     &Random,
     &Jittered,
+    &JitteredPadded,
     &Grid,
     &LatinHypercube,
     &CorrelatedMultiJittered,

@@ -2,11 +2,10 @@
 
 use super::verdicts::verdicts;
 use crate::output::{self, AtomicFile};
-use crate::report::PlotFile;
-use crate::report::literature;
 use crate::report::page::{self, Figure};
 use crate::report::summary::Summary;
 use crate::report::svg::Svg;
+use crate::report::{PlotFile, dimensions, literature};
 use anyhow::{Context, Result};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -40,8 +39,12 @@ impl Report {
     pub fn write(&mut self) -> Result<()> {
         self.summary.verdicts = verdicts(&self.summary);
         let mut page = page::render(&self.summary, &self.figures);
-        if self.folder.join(literature::PAGE).exists() {
-            page = page::with_link(&page, literature::PAGE, literature::TITLE);
+        for (file, title) in
+            [(literature::PAGE, literature::TITLE), (dimensions::PAGE, dimensions::TITLE)]
+        {
+            if self.folder.join(file).exists() {
+                page = page::with_link(&page, file, title);
+            }
         }
         write(&self.folder.join(page::NAME), page.as_bytes())?;
         let json = output::json(&self.summary)?;
@@ -78,4 +81,14 @@ pub fn save_figure(
 /// Writes a whole file or none.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
     AtomicFile::create(path)?.commit(bytes)
+}
+
+/// A report of the paper that is there already gets a link to another page of its folder.
+pub fn link_from_report(folder: &Path, file: &str, title: &str) -> Result<()> {
+    let path = folder.join(page::NAME);
+    match fs::read_to_string(&path) {
+        Ok(report) => write(&path, page::with_link(&report, file, title).as_bytes()),
+        // There is none, or it is not ours to touch.
+        Err(_) => Ok(()),
+    }
 }
