@@ -1,10 +1,10 @@
 //! Padded jittered sets: how distribution ray tracing fills its dimensions.
 
 use super::hash::splitmix;
-use super::jittered::{Jittered, planar_strata};
+use super::jittered::planar_strata;
 use super::permutation::Permutation;
 use super::random::UniformPoints;
-use super::{BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble};
+use super::{Admissible, BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble};
 use crate::simd::Isa;
 
 /// A jittered set of N = k² points for each two axes and, where d is odd, one of N strata for
@@ -22,15 +22,16 @@ impl Sampler for JitteredPadded {
             stream_id: 18,
             kind: Kind::Set,
             max_dim: usize::MAX,
+            counts: Admissible::Rule("k^2; any with --n-policy rect"),
             scrambles: &[Scramble::None, Scramble::TorusShift],
             is_random: true,
         }
     }
     fn admits(&self, n: u64, dim: usize, rectangular: bool) -> bool {
-        Jittered.admits(n, dim.min(2), rectangular)
+        Admissible::Cells.admits(n, dim.min(2), rectangular)
     }
     fn neighbours(&self, n: u64, dim: usize) -> (Option<u64>, Option<u64>) {
-        Jittered.neighbours(n, dim.min(2))
+        Admissible::Cells.neighbours(n, dim.min(2))
     }
     fn strata(&self, n: u64, dim: usize) -> Option<Vec<u64>> {
         // Those of each set, which are a grid of the whole only where there is one set.
