@@ -42,7 +42,8 @@ impl Distribution {
         2 + lens + 2 * self.lights.len() + time + 2 * self.bounces as usize
     }
 
-    /// Names of the axes of a pixel's integral, in the order of a point's coordinates.
+    /// Names of the axes of a pixel's integral, in the order of a point's coordinates. Time is
+    /// the last, so that what takes two coordinates has two that samplers pad together.
     pub fn axes(&self) -> Vec<String> {
         let pair = |name: &str| [format!("{name}_u"), format!("{name}_v")];
         let numbered = |name: &str, number: usize, of: usize| match of {
@@ -53,9 +54,9 @@ impl Distribution {
         axes.extend(self.lens.iter().flat_map(|_| pair("lens")));
         let lights = self.lights.len();
         axes.extend((0..lights).flat_map(|i| numbered("light", i, lights)));
-        axes.extend(self.motion.iter().map(|_| "time".to_owned()));
         let bounces = self.bounces as usize;
         axes.extend((0..bounces).flat_map(|i| numbered("bounce", i, bounces)));
+        axes.extend(self.motion.iter().map(|_| "time".to_owned()));
         axes
     }
 }
