@@ -4,8 +4,9 @@ use super::cost::Shard;
 use super::plan::Identity;
 use super::record_error::{RecordError, RecordFault};
 use super::records::{read_frame, read_header, scan};
+use crate::input;
 use crate::variance::Moments;
-use std::fs::File;
+use std::collections::BTreeMap;
 use std::io::{self, BufReader, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
@@ -17,7 +18,8 @@ type Place = (u32, u64);
 pub struct TileSet {
     plan: Identity,
     pub(super) files: Vec<PathBuf>,
-    pub(super) places: Vec<Option<Place>>,
+    /// Of the tiles that are there.
+    pub(super) places: BTreeMap<usize, Place>,
 }
 
 impl TileSet {
@@ -32,7 +34,7 @@ impl TileSet {
         for path in paths {
             let fail = |fault: RecordFault| fault.of(path);
             let mut file =
-                BufReader::new(File::open(path).map_err(|e| RecordFault::Read(e).of(path))?);
+                BufReader::new(input::open(path).map_err(|e| RecordFault::Read(e).of(path))?);
             let header = read_header(&mut file).map_err(fail)?;
             let set = set.get_or_insert_with(|| Self::empty(header.plan.clone()));
             let differences = set.plan.differences(&header.plan);
@@ -47,11 +49,10 @@ impl TileSet {
             let number = set.files.len() as u32;
             set.files.push(path.clone());
             for (tile, at) in scan.frames {
-                if let Some((other, _)) = set.places[tile] {
+                if let Some((other, _)) = set.places.insert(tile, (number, at)) {
                     let other = set.files[other as usize].clone();
                     return Err(fail(RecordFault::Overlap { tile, other }));
                 }
-                set.places[tile] = Some((number, at));
             }
             shards.push(header.shard);
         }
@@ -62,13 +63,12 @@ impl TileSet {
 
     /// No tiles yet.
     pub(super) fn empty(plan: Identity) -> Self {
-        let places = vec![None; plan.tiling().n_tiles()];
-        Self { plan, files: Vec::new(), places }
+        Self { plan, files: Vec::new(), places: BTreeMap::new() }
     }
 
     fn check_complete(&self, shards: &[Shard]) -> Result<(), RecordError> {
-        let mut missing = self.places.iter().enumerate().filter(|(_, place)| place.is_none());
-        let Some((tile, _)) = missing.next() else { return Ok(()) };
+        let total = self.plan.tiling().n_tiles();
+        let Some(tile) = (0..total).find(|tile| !self.contains(*tile)) else { return Ok(()) };
         let of = shards.iter().map(|shard| shard.of).max().unwrap_or(1);
         let absent: Vec<_> = (1..=of)
             .map(|index| Shard { index, of })
@@ -82,7 +82,7 @@ impl TileSet {
             }
             few => format!("add the files of shards {}", few.join(", ")),
         };
-        let (missing, total) = (missing.count() + 1, self.places.len());
+        let missing = total - self.places.len();
         let fault = RecordFault::Gap { missing, total, tile, absent };
         Err(fault.of(self.files.first().map_or(Path::new("merge"), PathBuf::as_path)))
     }
@@ -94,12 +94,12 @@ impl TileSet {
 
     /// Which tiles are there, in order.
     pub fn tiles(&self) -> impl Iterator<Item = usize> + '_ {
-        self.places.iter().enumerate().filter_map(|(tile, place)| place.map(|_| tile))
+        self.places.keys().copied()
     }
 
     /// Whether the tile is there.
     pub fn contains(&self, tile: usize) -> bool {
-        self.places.get(tile).is_some_and(Option::is_some)
+        self.places.contains_key(&tile)
     }
 
     /// The rows of a tile that is there; nothing for one that is not.
@@ -107,12 +107,12 @@ impl TileSet {
     /// # Errors
     /// The file has changed since it was opened.
     pub fn read(&self, tile: usize) -> Result<Vec<Moments>, RecordError> {
-        let Some((number, at)) = self.places.get(tile).copied().flatten() else {
+        let Some((number, at)) = self.places.get(&tile).copied() else {
             return Ok(Vec::new());
         };
         let path = &self.files[number as usize];
         let frame = || -> io::Result<Option<Vec<Moments>>> {
-            let mut file = File::open(path)?;
+            let mut file = input::open(path)?;
             file.seek(SeekFrom::Start(at))?;
             Ok(read_frame(&mut file, &self.plan)?.map(|(_, rows)| rows))
         };

@@ -11,10 +11,11 @@ use crate::output;
 use crate::table::{Align, columns, number};
 use anyhow::{Context, Result};
 use serde::Serialize;
-use std::fs::{self, OpenOptions};
+use std::fs::OpenOptions;
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
+use stratcore::input::{self, MAX_DOCUMENT};
 use stratcore::map::{Header, MapStudy, ROW_BYTES, Shard};
 use stratcore::study::{Control, collect, thread_count};
 
@@ -217,8 +218,8 @@ fn past(job: &Job) -> Result<Vec<Past>> {
     if !path.exists() {
         return Ok(Vec::new());
     }
-    let text =
-        fs::read_to_string(&path).with_context(|| format!("cannot read {}", path.display()))?;
+    let text = input::read_text(&path, MAX_DOCUMENT)
+        .with_context(|| format!("cannot read {}", path.display()))?;
     let read = |line: &str| -> Option<Past> {
         let fields: Vec<_> = line.split(',').collect();
         let [plan, shard, threads, estimated, _, took] = *fields else { return None };
