@@ -22,7 +22,6 @@ pub(super) fn tile_sums<S: Shader, V: Vector>(
     strata: &Strata,
     tile: &Tile,
     groups: &mut [Group<V>],
-    n_trials: usize,
     samples: &mut Vec<(Sample<V>, f32)>,
     work: &mut Work,
     exact: Exact<'_>,
@@ -31,8 +30,8 @@ pub(super) fn tile_sums<S: Shader, V: Vector>(
     let list = &entries[tile.list()];
     // Lanes without a trial wait for nothing.
     let mut idle = [0.0; MAX_LANES];
-    let used = n_trials - (groups.len() - 1) * V::LANES;
-    idle[used..].fill(f32::INFINITY);
+    let n_trials = groups.last().map_or(0, |group| group.n_trials);
+    idle[n_trials..].fill(f32::INFINITY);
     let idle = V::load(&idle);
     for first in (0..tile.n_strata()).step_by(V::LANES) {
         let n = V::LANES.min(tile.n_strata() - first);

@@ -124,20 +124,11 @@ macro_rules! compiled_for {
                 exact: Exact<'_>,
             ) {
                 let mut groups = Group::<V>::all(trials, sums.len());
-                let (n_trials, cancel) = (sums.len(), trials.cancel);
+                let cancel = trials.cancel;
                 let next = |work: &mut Work| next_pieces(pixel, grid, work);
                 shaded!(
                     V,
-                    strata::strata_sums(
-                        pixel,
-                        grid,
-                        &mut groups,
-                        n_trials,
-                        work,
-                        next,
-                        exact,
-                        cancel
-                    )
+                    strata::strata_sums(pixel, grid, &mut groups, work, next, exact, cancel)
                 );
                 Group::store(&groups, sums);
             }

@@ -23,7 +23,6 @@ pub(super) fn strata_sums<S: Shader, V: Vector>(
     pixel: &Pixel32,
     strata: &Strata,
     groups: &mut [Group<V>],
-    n_trials: usize,
     work: &mut Work,
     next_pieces: impl Fn(&mut Work) -> bool,
     exact: Exact<'_>,
@@ -33,16 +32,7 @@ pub(super) fn strata_sums<S: Shader, V: Vector>(
     let mut samples = Vec::new();
     while next_pieces(work) && !cancel.load(Ordering::Relaxed) {
         if let Some(tile) = work.crowded.take() {
-            crowd::tile_sums::<S, V>(
-                pixel,
-                strata,
-                &tile,
-                groups,
-                n_trials,
-                &mut samples,
-                work,
-                exact,
-            );
+            crowd::tile_sums::<S, V>(pixel, strata, &tile, groups, &mut samples, work, exact);
         }
         for piece in &work.pieces {
             match piece.fill {
