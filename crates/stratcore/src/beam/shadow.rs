@@ -104,10 +104,11 @@ pub(crate) fn occluders(
     centred: &CentredFrame,
     out: &mut Vec<Occluder>,
 ) {
+    let eye = scene.camera.eye;
     let patch = || patch(scene, receiver, centred);
     let shaft = match scene.light {
         Light::Off | Light::Headlight => return,
-        Light::Point { position, .. } => Shaft::between([position - scene.camera.eye; 2], patch()),
+        Light::Point { position, .. } => Shaft::between([position - eye; 2], patch()),
         Light::Directional { towards, .. } => {
             Shaft { start: patch(), run: [towards; 2], end: f64::INFINITY }
         }
