@@ -109,8 +109,10 @@ fn many_dimensions_are_each_uniform() {
             let m = f64::from(TRIALS);
             for (axis, [sum, squares]) in sums.into_iter().enumerate() {
                 let mean = sum / m;
-                let error = ((squares / m - mean * mean) / (m - 1.0)).sqrt();
-                assert!((mean - 0.5).abs() < 5.5 * error, "{set}, axis {axis}: {mean} ± {error}");
+                // A lattice is exact for a fold: no error but rounding.
+                let error = ((squares / m - mean * mean).max(0.0) / (m - 1.0)).sqrt();
+                let off = (mean - 0.5).abs();
+                assert!(off < 5.5 * error + 1e-9, "{set}, axis {axis}: {mean} ± {error}");
             }
         }
     }
