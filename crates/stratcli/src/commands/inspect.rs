@@ -14,6 +14,8 @@ use stratcore::trace::TracedScene;
 #[derive(Serialize)]
 struct Inspection {
     scene: String,
+    /// What was read; none for a built-in scene.
+    files: Vec<String>,
     camera: CameraFacts,
     triangles: usize,
     vertices: usize,
@@ -96,7 +98,7 @@ pub fn run(args: &InspectArgs, common: &Common) -> Result<Outcome> {
 }
 
 fn inspect(traced: &TracedScene) -> Inspection {
-    let Scene { name, camera, mesh, materials, light, ambient, background, notes, .. } =
+    let Scene { name, camera, mesh, materials, light, ambient, background, files, notes, .. } =
         traced.scene();
     let pixel = traced.pixel([0, 0], Channel::Luminance);
     let dim = pixel.dim();
@@ -110,6 +112,7 @@ fn inspect(traced: &TracedScene) -> Inspection {
     };
     Inspection {
         scene: name.clone(),
+        files: files.clone(),
         camera: CameraFacts {
             eye: camera.eye.to_array(),
             look_at: camera.look_at.to_array(),
@@ -197,6 +200,7 @@ fn text(facts: &Inspection) -> String {
         ),
         ("a pixel is", format!("d = {}: {}", facts.dim, facts.axes.join(", "))),
     ];
+    rows.extend(facts.files.iter().map(|file| ("reads", file.clone())));
     rows.extend(facts.notes.iter().map(|note| ("note", note.clone())));
     let rows: Vec<_> = rows.into_iter().map(|(name, fact)| vec![name.to_owned(), fact]).collect();
     let predicted: Vec<_> = facts

@@ -190,6 +190,7 @@ fn scene_hash(scene: &Scene) -> u128 {
         filter,
         ambient,
         background,
+        files: _,
         notes: _,
     } = scene;
     let mut digest = Digest::new();

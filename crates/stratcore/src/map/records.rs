@@ -150,30 +150,29 @@ pub(super) fn read_frame(
     let Some(tile) = usize::try_from(index).ok().filter(|tile| *tile < tiling.n_tiles()) else {
         return Ok(None);
     };
-    let n_rows = tiling.tile(tile).n_pixels() as usize * plan.rows_per_pixel();
-    let mut bytes = vec![0; ROW_BYTES * n_rows + 16];
-    if !read_whole(file, &mut bytes)? {
+    let n_rows = (tiling.tile(tile).n_pixels() as usize).saturating_mul(plan.rows_per_pixel());
+    // A plan may promise more than the file holds: no room is made before there are bytes.
+    let len = ROW_BYTES.saturating_mul(n_rows).saturating_add(16);
+    let mut bytes = Vec::with_capacity(len.min(1 << 20));
+    if file.take(len as u64).read_to_end(&mut bytes)? < len {
         return Ok(None);
     }
     let (payload, hash) = bytes.split_at(ROW_BYTES * n_rows);
     let mut digest = Digest::new();
     digest.word(index);
-    let (words, _) = payload.as_chunks::<8>();
-    let words = words.iter().map(|bytes| {
-        let word = u64::from_le_bytes(*bytes);
-        digest.word(word);
-        word
-    });
-    let words: Vec<u64> = words.collect();
-    if hash != digest.finish().to_le_bytes() {
-        return Ok(None);
-    }
-    let (rows, _) = words.as_chunks::<NUMBERS>();
-    let moments = |&[count, rest @ ..]: &[u64; NUMBERS]| {
+    let (rows, _) = payload.as_chunks::<ROW_BYTES>();
+    let moments = rows.iter().map(|row| {
+        let (words, _) = row.as_chunks::<8>();
+        let [count, rest @ ..]: [u64; NUMBERS] = std::array::from_fn(|i| {
+            let word = u64::from_le_bytes(words[i]);
+            digest.word(word);
+            word
+        });
         let [mean, variance, skewness, kurtosis] = rest.map(f64::from_bits);
         Moments { count, mean, variance, skewness, kurtosis }
-    };
-    Ok(Some((tile, rows.iter().map(moments).collect())))
+    });
+    let moments = moments.collect();
+    Ok((hash == digest.finish().to_le_bytes()).then_some((tile, moments)))
 }
 
 /// Fills `bytes`; false where the file ends before.

@@ -9,6 +9,7 @@ use super::{
 };
 use glam::DVec3;
 use serde::Deserialize;
+use std::collections::HashSet;
 use std::path::Path;
 
 /// A scene from a `.toml` or `.obj` file, or a built-in one by name ([`SCENES`]).
@@ -23,14 +24,20 @@ pub fn load(spec: &str) -> Result<Scene, SceneError> {
     }
     let path = Path::new(spec);
     let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    match path.extension().map(|e| e.to_string_lossy().to_lowercase()).as_deref() {
-        Some("toml") => from_toml(&name, &read_text(path)?, path),
+    let mut scene = match path.extension().map(|e| e.to_string_lossy().to_lowercase()).as_deref() {
+        Some("toml") => from_toml(&name, &read_text(path)?, path).map(|mut scene| {
+            scene.files.insert(0, shown(path));
+            scene
+        }),
         Some("obj") => from_obj(&name, path),
         _ => {
             let known = SCENES.iter().map(|s| s.name).collect::<Vec<_>>().join(", ");
             Err(SceneError::UnknownScene { name: spec.to_owned(), known })
         }
-    }
+    }?;
+    let mut seen = HashSet::new();
+    scene.files.retain(|file| seen.insert(file.clone()));
+    Ok(scene)
 }
 
 #[derive(Deserialize)]
@@ -165,7 +172,7 @@ fn from_toml(name: &str, text: &str, path: &Path) -> Result<Scene, SceneError> {
     };
     file.paths.check(path)?;
     let filter = file.filter.map(|table| table.read(path)).transpose()?;
-    let Model { mesh, materials } = model;
+    let Model { mesh, materials, files } = model;
     let name = name.to_owned();
     Ok(Scene {
         name,
@@ -177,6 +184,7 @@ fn from_toml(name: &str, text: &str, path: &Path) -> Result<Scene, SceneError> {
         filter,
         ambient,
         background,
+        files,
         notes,
     })
 }
@@ -327,7 +335,7 @@ fn from_obj(name: &str, path: &Path) -> Result<Scene, SceneError> {
     let mut notes = Vec::new();
     let model = obj::read(path, false, &mut notes)?;
     note_degenerate(&model, &mut notes);
-    let Model { mesh, materials } = model;
+    let Model { mesh, materials, files } = model;
     let camera = framing(&mesh.positions);
     camera.check().map_err(|fault| SceneError::Camera { path: shown(path), fault })?;
     Ok(Scene {
@@ -340,6 +348,7 @@ fn from_obj(name: &str, path: &Path) -> Result<Scene, SceneError> {
         filter: None,
         ambient: [0.0; 3],
         background: [0.0; 3],
+        files,
         notes,
     })
 }

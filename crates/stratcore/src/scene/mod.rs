@@ -48,6 +48,9 @@ pub struct Scene {
     pub ambient: Rgb,
     /// Radiance where nothing is hit.
     pub background: Rgb,
+    /// The files that it was read from, in the order in which they were opened; none for a
+    /// built-in scene.
+    pub files: Vec<String>,
     /// What the loader had to assume, in words; empty as a rule.
     pub notes: Vec<String>,
 }

@@ -34,6 +34,7 @@ pub(super) fn read(
         tobj::load_obj_buf(&mut checked.text.as_bytes(), &options, library).map_err(refused)?;
     let mut model = Model {
         materials: materials.map_err(refused)?.iter().map(material).collect(),
+        files: checked.files,
         ..Default::default()
     };
     let unnamed = model.materials.len() as u32;
@@ -135,6 +136,8 @@ struct Checked {
     text: String,
     /// Reduced text of each MTL file, by the name that the OBJ file calls it.
     libraries: HashMap<PathBuf, String>,
+    /// The OBJ file and the MTL files that were read.
+    files: Vec<String>,
     names_materials: bool,
     faces_with_normals: usize,
     face_without_normals: Option<usize>,
@@ -145,7 +148,7 @@ impl Checked {
         let count = |key| text.lines().filter(|l| l.split_whitespace().next() == Some(key)).count();
         let totals = [count("v"), count("vn")];
         let mut seen = [0, 0];
-        let mut checked = Self::default();
+        let mut checked = Self { files: vec![shown(path)], ..Self::default() };
         for (number, line) in (1..).zip(text.lines()) {
             let (key, rest) = keyword(line);
             let at_line = |fault| SceneError::Line { path: shown(path), line: number, fault };
@@ -168,8 +171,23 @@ impl Checked {
                 "mtllib" => {
                     checked.text += &format!("mtllib {rest}\n");
                     let library = path.with_file_name(rest);
-                    let text = checked_mtl(&library, notes)?;
-                    checked.libraries.insert(PathBuf::from(rest), text);
+                    match checked_mtl(&library)? {
+                        Some((text, textures)) => {
+                            checked.files.push(shown(&library));
+                            if textures > 0 {
+                                notes.push(format!(
+                                    "{}: {textures} textures are not read; colours are those \
+                                     of Kd",
+                                    library.display()
+                                ));
+                            }
+                            checked.libraries.insert(PathBuf::from(rest), text);
+                        }
+                        None => notes.push(format!(
+                            "{} is missing: its materials get Kd {DEFAULT_KD}",
+                            library.display()
+                        )),
+                    }
                 }
                 _ => {}
             }
@@ -221,13 +239,13 @@ impl Checked {
     }
 }
 
-/// The lines of an MTL file that we use. A file that is not there leaves a note and no lines.
-fn checked_mtl(path: &Path, notes: &mut Vec<String>) -> Result<String, SceneError> {
+/// The lines of an MTL file that we use, and how many others name a texture; none where there
+/// is no such file.
+fn checked_mtl(path: &Path) -> Result<Option<(String, usize)>, SceneError> {
     if matches!(path.try_exists(), Ok(false)) {
-        notes.push(format!("{} is missing: its materials get Kd {DEFAULT_KD}", path.display()));
-        return Ok(String::new());
+        return Ok(None);
     }
-    let mut checked = String::new();
+    let (mut checked, mut textures) = (String::new(), 0);
     for (line_number, line) in (1..).zip(read_text(path)?.lines()) {
         let at_line = |fault| SceneError::Line { path: shown(path), line: line_number, fault };
         match keyword(line) {
@@ -250,10 +268,10 @@ fn checked_mtl(path: &Path, notes: &mut Vec<String>) -> Result<String, SceneErro
                 })?;
                 checked += &format!("illum {model}\n");
             }
-            _ => {}
+            (key, _) => textures += usize::from(key.starts_with("map_")),
         }
     }
-    Ok(checked)
+    Ok(Some((checked, textures)))
 }
 
 fn keyword(line: &str) -> (&str, &str) {

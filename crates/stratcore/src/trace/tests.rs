@@ -36,6 +36,7 @@ fn scene_of(mesh: Mesh, eye: DVec3, light: Light) -> Scene {
         filter: None,
         ambient: [0.0; 3],
         background: [0.1, 0.2, 0.3],
+        files: Vec::new(),
         notes: Vec::new(),
     }
 }

@@ -172,6 +172,12 @@ fn scenes(keys: &Keys, path: &Path) -> Result<Vec<SceneEntry>> {
         };
         let stem = Path::new(text).file_stem().unwrap_or_default();
         let name = stem.to_string_lossy().into_owned();
+        if name == super::SUMMARY {
+            bail!(
+                "scenes: the files of a scene called \"{name}\" would stand where the study's own \
+                 do; rename it"
+            );
+        }
         if entries.iter().any(|entry| entry.name == name) {
             bail!("scenes: two are called \"{name}\", and so would be their files; rename one");
         }
@@ -221,6 +227,7 @@ mod tests {
             ("scenes = []\nsamplers = [\"random\"]\n".to_owned(), ["scenes", "at least one"]),
             (good.replace("jittered", "jitter"), ["samplers", "jittered"]),
             (good.replace("\"classic\"", "\"classic\", \"classic\""), ["scenes", "rename"]),
+            (good.replace("classic", "a/summary.toml"), ["summary", "rename"]),
             (good.replace("\"jittered\"", "\"jittered\", \"jittered\""), ["samplers", "once"]),
             (good.to_owned() + "scrambles = [\"ovens\"]\n", ["scrambles", "owen"]),
             (good.to_owned() + "sampler = 3\n", ["sampler", "line 3"]),

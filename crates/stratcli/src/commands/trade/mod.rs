@@ -145,8 +145,7 @@ fn measure(
     let plot = args.plot.as_deref().map(PlotFile::create).transpose()?;
     let page = match &args.report {
         Some(folder) => {
-            std::fs::create_dir_all(folder)
-                .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+            output::make_folder(folder, "--report")?;
             let path = folder.join("trade.html");
             Some((AtomicFile::create(&path)?, path))
         }

@@ -75,7 +75,7 @@ pub fn run(scene: Scene, path: &Path, args: &TradeArgs, common: &Common) -> Resu
         ("Needed.rmse".to_owned(), column(|p| p.rmse)),
         ("Needed.rmse_uniform".to_owned(), column(|p| p.rmse_uniform)),
     ]);
-    exr_file.commit(&picture::exr_channels(found.size, channels, &comments)?)?;
+    exr_file.commit(&picture::exr::encode(found.size, channels, &comments)?)?;
     let drawing = figures::draw(&format!("{name}: samples needed, {sampler}"), &found);
     let png_bytes = drawing.to_png(crate::report::PNG_SCALE).map_err(anyhow::Error::msg)?;
     png_file.commit(&png_bytes)?;
