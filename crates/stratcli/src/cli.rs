@@ -5,6 +5,7 @@ mod map;
 mod merge;
 mod points;
 mod spectrum;
+mod stability;
 mod study;
 mod trade;
 
@@ -13,6 +14,7 @@ pub use map::MapArgs;
 pub use merge::MergeArgs;
 pub use points::{PointFormat, PointsArgs};
 pub use spectrum::SpectrumArgs;
+pub use stability::StabilityArgs;
 pub use study::StudyFileArgs;
 pub use trade::TradeArgs;
 
@@ -78,6 +80,8 @@ pub enum Command {
     Study(StudyFileArgs),
     /// What error costs how much time: which sampler, how many samples, how long
     Trade(TradeArgs),
+    /// Numerical extremes, each tried: what f32 and f64 do, the error, the floor
+    Stability(StabilityArgs),
     /// Names that can be typed, each with one line of help
     List(ListArgs),
     /// A completion script for a shell
@@ -206,6 +210,7 @@ pub enum Listed {
     Integrands,
     Scenes,
     Discrepancies,
+    Extremes,
 }
 
 #[derive(Debug, Args)]
@@ -254,7 +259,7 @@ pub struct StudyArgs {
     #[arg(long, value_name = "p:W|var:SHARE", conflicts_with = "trials")]
     pub until: Option<String>,
     /// Stop at so many trials even if not sure
-    #[arg(long, value_name = "M", default_value_t = 100_000, requires = "until")]
+    #[arg(long, value_name = "M", default_value_t = 100_000, requires = "until", value_parser = clap::value_parser!(u32).range(2..))]
     pub max_trials: u32,
 }
 

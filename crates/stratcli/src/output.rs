@@ -51,9 +51,11 @@ pub fn note(text: &str) {
     let _ = writeln!(io::stderr(), "{}", on_one_line(text));
 }
 
-/// The text with every run of white space as one space.
+/// The text with every run of white space as one space, and without characters that would
+/// command a terminal: a file's words may stand in it.
 pub fn on_one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    line.replace(char::is_control, "\u{fffd}")
 }
 
 /// Whether the reader of standard output went away, as `head` does: no fault of ours.

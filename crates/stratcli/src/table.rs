@@ -1,5 +1,6 @@
 //! Results as text for people: columns, numbers, and the sentences below a table.
 
+use crate::report::chart::label;
 use crate::report::spectrum::{SamplerSpectrum, Spectra};
 use std::fmt::Write;
 use stratcore::StudyResult;
@@ -300,7 +301,9 @@ pub fn stop(stop: &Stop, result: &StudyResult) -> String {
     if result.trials > 50 {
         for early in &stop.after_50_trials {
             let p = early.fit.map_or("none".to_owned(), |f| with_error(f.exponent, f.std_error));
-            let _ = writeln!(text, "  after 50 trials {} had p = {p}", early.name);
+            let width = early.half_width.map_or("none".to_owned(), |width| number(width, 2));
+            let name = label(early.name, early.scramble);
+            let _ = writeln!(text, "  after 50 trials {name} had p = {p}; half interval {width}");
         }
     }
     text

@@ -18,6 +18,14 @@ pub enum StudyError {
         /// Words naming the nearest counts that exist.
         neighbours: String,
     },
+    /// A sampler has no set in so few dimensions.
+    #[error("{sampler} has no sets in {dim} dimensions, whatever N")]
+    NoSets {
+        /// Sampler's name.
+        sampler: &'static str,
+        /// Dimensions asked for.
+        dim: usize,
+    },
     /// More dimensions than the sampler is defined for.
     #[error("{sampler} is defined up to {max_dim} dimensions, not for {dim}")]
     TooManyDimensions {

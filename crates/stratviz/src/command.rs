@@ -1,6 +1,8 @@
 //! What a panel asks for; [`App`](crate::app::App) does it after drawing.
 
-use crate::state::{InsideWords, Page, PictureWords, StudyWords, TheoryWords};
+use crate::state::{
+    InsideWords, Layout, Page, PatternWords, PictureWords, StudyWords, TheoryWords, TradeWords,
+};
 use std::path::PathBuf;
 
 /// A wish of the user.
@@ -26,9 +28,15 @@ pub enum Command {
     SetInside(InsideWords),
     /// Study another integrand.
     SetTheory(TheoryWords),
-    /// Stop every study.
+    /// Trade in another way.
+    SetTrade(TradeWords),
+    /// Show other point sets.
+    SetPatterns(PatternWords),
+    /// Share the window out in another way.
+    SetLayout(Layout),
+    /// Stop every study, transform and trade.
     Stop,
-    /// Start every study again, from its first trial.
+    /// Start what the page shows again, from its first trial.
     Restart,
     /// Drop the curves of samplers that are no longer studied.
     ForgetKept,
@@ -36,20 +44,24 @@ pub enum Command {
     StartMap,
     /// Stop doing so; what was finished stays.
     CancelMap,
-    /// Measure error against time in the first pixel.
+    /// Measure error against time.
     Trade,
     /// Turn to a page.
     ShowPage(Page),
     /// Dark or light.
     SetDark(bool),
-    /// Put the command line of what is on screen into the clipboard.
+    /// Put the command lines of what is on screen into the clipboard.
     CopyLine,
+    /// Put this into the clipboard.
+    CopyText(String),
     /// Open what a line of `stratcli` says.
     OpenLine(String),
     /// Write the picture: `.png` or `.exr`.
     SavePicture(PathBuf),
-    /// Write the curves: `.svg`, `.png` or `.csv`.
+    /// Write the curves of the page: `.svg`, `.png` or `.csv`.
     SaveCurve(PathBuf),
+    /// Write the discrepancies of the patterns page: `.svg`, `.png` or `.csv`.
+    SaveDiscrepancies(PathBuf),
     /// Show or hide the help.
     ShowHelp(bool),
 }

@@ -1,16 +1,20 @@
 //! Files of what is on screen, written off the UI thread.
 
 use crate::line;
-use crate::model::{Model, Study};
+use crate::model::{Model, Progress, Study};
 use crate::state::{Page, State};
 use anyhow::{Result, bail};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use stratcli::output::AtomicFile;
 use stratcli::picture::Format;
-use stratcli::report::{PlotFile, chart};
+use stratcli::report::spectrum::Spectra;
+use stratcli::report::svg::Svg;
+use stratcli::report::{PlotFile, chart, discrepancy, spectrum, trade};
 use stratcore::StudyResult;
 use stratcore::scene::Rgb;
+use stratcore::study::Discrepancies;
+use stratcore::trade::TradeResult;
 
 /// A file that is ready to be written.
 pub enum Export {
@@ -34,6 +38,19 @@ pub enum Export {
         /// A result per pixel; at least one.
         results: Vec<StudyResult>,
     },
+    /// Error against time.
+    Trade {
+        /// The scene.
+        scene: String,
+        /// What is drawn above the chart.
+        title: String,
+        /// What was found.
+        result: Box<TradeResult>,
+    },
+    /// Spectra of point sets.
+    Spectra(Spectra),
+    /// Discrepancies of point sets.
+    Discrepancies(Discrepancies),
 }
 
 impl Export {
@@ -48,17 +65,19 @@ impl Export {
         Ok(Self::Picture { size: layer.size, rgb, comment: line::line(&line::render(state)) })
     }
 
-    /// The curves of the page that is shown.
+    /// The curves of the page that is shown; of the patterns, the spectra.
     pub fn curves(state: &State, model: &Model) -> Result<Self> {
         let studies = match state.page {
-            Page::Pixel | Page::Trade => &model.studies[..],
+            Page::Pixel => &model.studies[..],
             Page::Theory => std::slice::from_ref(&model.theory),
+            Page::Trade => return Self::trade(model),
+            Page::Patterns => return Self::spectra(model),
         };
         let results: Vec<_> = studies.iter().filter_map(|s: &Study| s.result.clone()).collect();
         let Some(first) = results.first() else { bail!("there is no curve to save yet") };
         let [x, y] = first.pixel;
         let (subject, channel, title) = match (&model.loaded, state.page) {
-            (Some(loaded), Page::Pixel | Page::Trade) => {
+            (Some(loaded), Page::Pixel) => {
                 let name = loaded.traced.scene().name.clone();
                 let channel = state.study.channel.clone();
                 let title = format!("{name}, pixel {x},{y}, {channel}");
@@ -73,6 +92,36 @@ impl Export {
         Ok(Self::Curves { title, subject, channel, results })
     }
 
+    fn trade(model: &Model) -> Result<Self> {
+        let (Some(traded), Some(loaded)) = (&model.trade.result, &model.loaded) else {
+            bail!("nothing was measured yet");
+        };
+        let scene = loaded.traced.scene().name.clone();
+        let title = match &traded.pixels[..] {
+            [[x, y]] => format!("{scene}, pixel {x},{y}"),
+            pixels => format!("{scene}, {} pixels", pixels.len()),
+        };
+        Ok(Self::Trade { scene, title, result: Box::new(traded.result.clone()) })
+    }
+
+    fn spectra(model: &Model) -> Result<Self> {
+        let Some(found) = &model.spectra.result else { bail!("there is no spectrum to save yet") };
+        let plan = line::spectra_plan(&model.spectra.planned).map_err(anyhow::Error::msg)?;
+        Ok(Self::Spectra(plan.report(found.clone())))
+    }
+
+    /// The discrepancies of the patterns page.
+    pub fn discrepancies(model: &Model) -> Result<Self> {
+        let Some(curves) = model.discrepancy.result.clone() else {
+            bail!("there is no discrepancy to save yet");
+        };
+        let planned = &model.discrepancy.planned;
+        let (plan, dim, _) = line::discrepancy_plan(planned).map_err(anyhow::Error::msg)?;
+        let complete = model.discrepancy.progress == Progress::Done;
+        let (seed, trials) = (plan.seed, plan.n_trials);
+        Ok(Self::Discrepancies(Discrepancies { dim, seed, trials, curves, complete }))
+    }
+
     /// Writes the file that `path` names, in the format of its ending.
     pub fn write(&self, path: &Path) -> Result<()> {
         match self {
@@ -80,16 +129,37 @@ impl Export {
                 let format = Format::of(path)?;
                 AtomicFile::create(path)?.commit(&format.encode(*size, rgb, comment)?)
             }
-            Self::Curves { title, subject, channel, results } => {
-                let ending = path.extension().map(|e| e.to_ascii_lowercase());
-                if ending.is_some_and(|e| e == "csv") {
-                    let text = csv(subject, channel, results);
-                    AtomicFile::create(path)?.commit(text.as_bytes())
-                } else {
-                    PlotFile::create(path)?.commit(&chart::convergence(title, &results[0]))
-                }
+            Self::Curves { title, subject, channel, results } => write_table(
+                path,
+                || csv(subject, channel, results),
+                || chart::convergence(title, &results[0]),
+            ),
+            Self::Trade { scene, title, result } => write_table(
+                path,
+                || trade::csv::rows(Some(scene), None, result),
+                || trade::chart(title, result),
+            ),
+            Self::Spectra(spectra) => {
+                write_table(path, || spectrum::csv(spectra), || spectrum::chart(spectra))
+            }
+            Self::Discrepancies(found) => {
+                write_table(path, || discrepancy::csv(found), || discrepancy::chart(found))
             }
         }
+    }
+}
+
+/// Writes the rows to a file that ends in `.csv`, the chart to any other.
+fn write_table(
+    path: &Path,
+    rows: impl FnOnce() -> String,
+    chart: impl FnOnce() -> Svg,
+) -> Result<()> {
+    let ending = path.extension().map(|e| e.to_ascii_lowercase());
+    if ending.is_some_and(|e| e == "csv") {
+        AtomicFile::create(path)?.commit(rows().as_bytes())
+    } else {
+        PlotFile::create(path)?.commit(&chart())
     }
 }
 

@@ -1,13 +1,20 @@
 //! The command line that does what is on screen, and back. A study is planned from the very
 //! words that are copied, so its numbers are those of `stratcli`.
 
-use crate::state::{State, StudyWords, TheoryWords};
+mod open;
+
+pub use open::open;
+
+use crate::jobs::DiscrepancyPlan;
+use crate::state::{PatternWords, State, StudyWords, TheoryWords};
 use clap::{Parser, ValueEnum};
-use stratcli::cli::{Cli, Command, NPolicy, StudiedChannel, StudyArgs};
+use stratcli::cli::{Cli, Command, Common, StudiedChannel, TradeArgs};
+use stratcli::plan::{PointSpectra, PointsPlan};
 use stratcli::{output, plan};
 use stratcore::sampler::CountPolicy;
-use stratcore::scene::Channel;
+use stratcore::scene::{Channel, Scene};
 use stratcore::study::StudyPlan;
+use stratcore::trade::TradePlan;
 
 /// The words of a pixel's study with this many trials.
 pub fn pixel(state: &State, [x, y]: [u32; 2], trials: u32) -> Vec<String> {
@@ -37,14 +44,81 @@ pub fn integrand(theory: &TheoryWords, study_words: &StudyWords, trials: u32) ->
     words
 }
 
-/// The words that trade error for time in a pixel, with the trials that `trade` makes.
-pub fn trade(state: &State, [x, y]: [u32; 2]) -> Vec<String> {
+/// The words that trade error for time in the first pixel or over the picture, with the trials
+/// that `trade` makes; none where a pixel is wanted and there is none.
+pub fn trade(state: &State) -> Option<Vec<String>> {
     const TRIALS: u32 = 100;
     let mut words = vec!["trade".to_owned(), state.scene.clone()];
-    option(&mut words, "--at", format!("{x},{y}"));
+    if state.trade.whole {
+        option(&mut words, "--lattice", state.trade.lattice.to_string());
+    } else {
+        let [x, y] = state.pixels.first()?;
+        option(&mut words, "--at", format!("{x},{y}"));
+    }
     option(&mut words, "--targets", state.study.error.to_string());
     study(&mut words, &state.study, TRIALS);
+    Some(words)
+}
+
+/// Whether two trades measure the same, whatever error they are asked about.
+pub fn same_trade(a: &[String], b: &[String]) -> bool {
+    without(a, &["--targets"]) == without(b, &["--targets"])
+}
+
+/// The words without these options and their values.
+pub fn without<'a>(words: &'a [String], options: &[&str]) -> Vec<&'a str> {
+    let mut kept = Vec::new();
+    let mut words = words.iter();
+    while let Some(word) = words.next() {
+        if options.contains(&word.as_str()) {
+            words.next();
+        } else {
+            kept.push(word.as_str());
+        }
+    }
+    kept
+}
+
+/// The words that draw the set of the patterns page.
+pub fn points(state: &State) -> Vec<String> {
+    let mut words = vec!["points".to_owned()];
+    option(&mut words, "--sampler", state.pattern_sampler().to_owned());
+    sets(&mut words, state);
+    option(&mut words, "--trial", state.patterns.trial.to_string());
+    finish(&mut words, &state.study);
     words
+}
+
+/// The words that transform the sets of the patterns page.
+pub fn spectrum(state: &State) -> Vec<String> {
+    let mut words = vec!["spectrum".to_owned()];
+    option(&mut words, "--samplers", state.study.samplers.join(","));
+    sets(&mut words, state);
+    option(&mut words, "--trials", state.patterns.sets.to_string());
+    finish(&mut words, &state.study);
+    words
+}
+
+/// The words that measure the discrepancies of the patterns page.
+pub fn discrepancy(state: &State) -> Vec<String> {
+    let PatternWords { dim, sets, measure, counts, .. } = &state.patterns;
+    let mut words = vec!["discrepancy".to_owned()];
+    option(&mut words, "--samplers", state.study.samplers.join(","));
+    option(&mut words, "--dim", dim.to_string());
+    option(&mut words, "--measure", measure.clone());
+    option(&mut words, "--trials", sets.to_string());
+    if !counts.trim().is_empty() {
+        option(&mut words, "--counts", counts.trim().to_owned());
+    }
+    finish(&mut words, &state.study);
+    words
+}
+
+fn sets(words: &mut Vec<String>, state: &State) {
+    let PatternWords { n, dim, axes: [i, j], .. } = &state.patterns;
+    option(words, "-n", n.to_string());
+    option(words, "--dim", dim.to_string());
+    option(words, "--axes", format!("{i},{j}"));
 }
 
 /// The words that render the picture as it is shown, to a file named after the scene.
@@ -70,6 +144,11 @@ fn study(words: &mut Vec<String>, study: &StudyWords, trials: u32) {
     if !study.counts.trim().is_empty() {
         option(words, "--counts", study.counts.trim().to_owned());
     }
+    finish(words, study);
+}
+
+/// What every study and every point set has: a policy of counts, and a seed.
+fn finish(words: &mut Vec<String>, study: &StudyWords) {
     let policy = match study.n_policy {
         CountPolicy::Error => "error",
         CountPolicy::Snap => "snap",
@@ -110,10 +189,62 @@ pub fn study_plan(words: &[String], dim: usize) -> Result<StudyPlan, String> {
     let plan = match &cli.command {
         Command::Pixel(args) => plan::study_plan(&args.study.protocol, &cli.common, dim),
         Command::Integrand(args) => plan::study_plan(&args.study.protocol, &cli.common, dim),
-        Command::Trade(args) => plan::trade_study_plan(args, &cli.common, dim),
         _ => return Err("these words are no study".to_owned()),
     };
-    plan.map_err(|error| format!("{error:#}"))
+    plan.map_err(in_words)
+}
+
+/// The plan that the words of a trade ask for in `dim` dimensions.
+pub fn trade_plan(words: &[String], dim: usize) -> Result<TradePlan, String> {
+    let (cli, args) = trade_args(words)?;
+    plan::trade_plan(&args, &cli, dim).map_err(in_words)
+}
+
+/// The pixels that the words of a trade ask for.
+pub fn trade_pixels(words: &[String], scene: &Scene) -> Result<Vec<[u32; 2]>, String> {
+    let (_, args) = trade_args(words)?;
+    plan::trade_pixels(&args, scene).map(|(_, pixels)| pixels).map_err(in_words)
+}
+
+fn trade_args(words: &[String]) -> Result<(Common, TradeArgs), String> {
+    match parse(words)? {
+        Cli { command: Command::Trade(args), common } => Ok((common, args)),
+        _ => Err("these words are no trade".to_owned()),
+    }
+}
+
+/// The set that the words of `points` ask for, as it is drawn.
+pub fn points_plan(words: &[String]) -> Result<PointsPlan, String> {
+    match parse(words)? {
+        Cli { command: Command::Points(args), common } => {
+            plan::points(&args, &common, true).map_err(in_words)
+        }
+        _ => Err("these words draw no points".to_owned()),
+    }
+}
+
+/// The sets that the words of `spectrum` ask for.
+pub fn spectra_plan(words: &[String]) -> Result<PointSpectra, String> {
+    match parse(words)? {
+        Cli { command: Command::Spectrum(args), common } => {
+            plan::point_spectra(&args, &common).map_err(in_words)
+        }
+        _ => Err("these words ask for no spectrum".to_owned()),
+    }
+}
+
+/// The plan that the words of `discrepancy` ask for.
+pub fn discrepancy_plan(words: &[String]) -> Result<DiscrepancyPlan, String> {
+    match parse(words)? {
+        Cli { command: Command::Discrepancy(args), common } => {
+            plan::discrepancy(&args, &common).map_err(in_words)
+        }
+        _ => Err("these words ask for no discrepancy".to_owned()),
+    }
+}
+
+fn in_words(error: anyhow::Error) -> String {
+    format!("{error:#}")
 }
 
 /// The channel of this name; luminance for a name that is none.
@@ -121,165 +252,9 @@ pub fn channel(name: &str) -> Channel {
     plan::channel(StudiedChannel::from_str(name, true).unwrap_or(StudiedChannel::Luminance)).0
 }
 
-/// What a pasted line opens: the session changed to it.
-///
-/// # Errors
-/// In words, when the line is not one that can be shown.
-pub fn open(text: &str, state: &State) -> Result<State, String> {
-    let words = words(text)?;
-    let cli = parse(&words)?;
-    let mut state = state.clone();
-    state.study.seed = cli.common.seed;
-    let channel_of = |channel: StudiedChannel| {
-        channel.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
-    };
-    match &cli.command {
-        Command::Pixel(args) => {
-            let pixel = plan::pixel(&args.at).map_err(|error| format!("{error:#}"))?;
-            state.scene = args.scene.clone();
-            state.pixels = vec![pixel];
-            state.study.channel = channel_of(args.channel);
-            read_study(&mut state.study, &args.study);
-            state.page = crate::state::Page::Pixel;
-        }
-        Command::Integrand(args) => {
-            let dim = stratcore::integrand::CATALOGUE.iter().find(|info| info.name == args.name);
-            let set = args.set.iter().map(|text| plan::parameter(text));
-            let occluder = args.occluder.map(|side| ("occluder".to_owned(), side));
-            let params = set.collect::<anyhow::Result<Vec<_>>>();
-            state.theory = TheoryWords {
-                name: args.name.clone(),
-                dim: args.dim.or(dim.map(|info| info.default_dim())).unwrap_or(2),
-                params: params
-                    .map_err(|error| format!("{error:#}"))?
-                    .into_iter()
-                    .chain(occluder)
-                    .collect(),
-            };
-            read_study(&mut state.study, &args.study);
-            state.page = crate::state::Page::Theory;
-        }
-        Command::Render(args) => {
-            state.scene = args.scene.clone();
-            state.picture.spp = args.spp;
-            state.picture.exposure = args.exposure;
-        }
-        Command::Inspect(args) => state.scene = args.scene.clone(),
-        _ => {
-            let fault = "the explorer opens lines of stratcli pixel, integrand, render and inspect";
-            return Err(fault.to_owned());
-        }
-    }
-    Ok(state)
-}
-
-/// A line names its trials, and all of them are run.
-fn read_study(study: &mut StudyWords, args: &StudyArgs) {
-    study.samplers = args.protocol.samplers.iter().map(|name| name.trim().to_owned()).collect();
-    study.counts = args.protocol.counts.clone().unwrap_or_default();
-    study.trials = args.protocol.trials;
-    study.until = 0.0;
-    study.n_policy = match args.protocol.n_policy {
-        NPolicy::Error => CountPolicy::Error,
-        NPolicy::Snap => CountPolicy::Snap,
-        NPolicy::Rect => CountPolicy::Rect,
-    };
-}
-
-/// Splits a line as a shell does, and drops what stands before the command: a prompt,
-/// `stratcli`, a path to it, or `cargo run --release --`.
-fn words(text: &str) -> Result<Vec<String>, String> {
-    let mut words = Vec::new();
-    let mut word: Option<String> = None;
-    let mut quote = None;
-    let mut chars = text.trim().chars();
-    while let Some(c) = chars.next() {
-        match quote {
-            Some(open) if c == open => quote = None,
-            Some(_) => word.get_or_insert_default().push(c),
-            None if c == '\'' || c == '"' => {
-                quote = Some(c);
-                word.get_or_insert_default();
-            }
-            // A backslash before a line's end joins lines; before anything else it quotes.
-            None if c == '\\' => {
-                if let Some(next) = chars.next().filter(|next| *next != '\n') {
-                    word.get_or_insert_default().push(next);
-                }
-            }
-            None if c.is_whitespace() => words.extend(word.take()),
-            None => word.get_or_insert_default().push(c),
-        }
-    }
-    if quote.is_some() {
-        return Err("the line ends within a quotation; close it".to_owned());
-    }
-    words.extend(word);
-    let is_program = |word: &String| {
-        word == "--" || word.rsplit('/').next().is_some_and(|name| name == "stratcli")
-    };
-    match words.iter().position(is_program) {
-        Some(at) => Ok(words.split_off(at + 1)),
-        None => Err("paste a line that begins with stratcli, such as: stratcli pixel classic \
-                     --at 77,156"
-            .to_owned()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn what_is_copied_opens_as_it_was() {
-        let mut state = State { pixels: vec![[21, 3]], ..State::default() };
-        state.scene = "my scenes/a'b.toml".to_owned();
-        state.study = StudyWords {
-            samplers: vec!["jittered".to_owned(), "sobol+owen-hash".to_owned()],
-            counts: "1..8^2".to_owned(),
-            channel: "g".to_owned(),
-            trials: 77,
-            until: 0.0,
-            ..state.study
-        };
-        let copied = line(&pixel(&state, [21, 3], 77));
-        assert!(
-            copied.starts_with(r"stratcli pixel 'my scenes/a'\''b.toml' --at 21,3"),
-            "{copied}"
-        );
-        let mut blank = State::default();
-        blank.study.seed = 3;
-        let opened = open(&copied, &blank).unwrap();
-        assert_eq!(opened, state);
-
-        let theory = TheoryWords {
-            name: "step".to_owned(),
-            dim: 3,
-            params: [("edge".to_owned(), 0.25)].into(),
-        };
-        let copied = line(&integrand(&theory, &state.study, 9));
-        assert_eq!(open(&copied, &State::default()).unwrap().theory, theory);
-    }
-
-    #[test]
-    fn lines_are_read_as_people_have_them() {
-        let pixels = |text| open(text, &State::default()).map(|state| state.pixels);
-        assert_eq!(pixels("$ cargo run --release -- pixel classic --at 1,2"), Ok(vec![[1, 2]]));
-        assert_eq!(
-            pixels("./target/release/stratcli pixel classic \\\n --at 3,4"),
-            Ok(vec![[3, 4]])
-        );
-        for (text, hint) in [
-            ("hello", "begins with stratcli"),
-            ("stratcli pixel 'classic", "close it"),
-            ("stratcli list", "the explorer opens"),
-            ("stratcli pixel classic", "--at"),
-            ("stratcli pixel classic --at 1", "X,Y"),
-        ] {
-            let fault = pixels(text).unwrap_err();
-            assert!(fault.contains(hint), "{text}: {fault}");
-        }
-    }
 
     #[test]
     fn a_plan_is_the_one_of_the_words() {

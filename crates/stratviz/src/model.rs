@@ -1,11 +1,12 @@
 //! What was computed: everything that panels draw and nobody saves.
 
-use crate::jobs::{Loaded, MapUpdate, Patch, Seen, Studied};
+use crate::jobs::{Drawn, Loaded, MapUpdate, Patch, Seen, Studied, Traded};
 use std::time::Duration;
+use stratcli::report::spectrum::SamplerSpectrum;
 use stratcore::integrand::Regularity;
 use stratcore::scene::Rgb;
-use stratcore::study::{SamplerResult, StudyResult};
-use stratcore::trade::TradeResult;
+use stratcore::study::{DiscrepancyCurve, SamplerResult, StudyResult};
+use stratcore::trade::Choice;
 
 /// Results, and what became of the work on them.
 #[derive(Default)]
@@ -35,11 +36,40 @@ pub struct Model {
     /// What is known of its integrand.
     pub regularity: Option<Regularity>,
     /// Error against time.
-    pub trade: Trade,
+    pub trade: Piece<Traded>,
+    /// The cheapest ways to the wanted error, by what was measured.
+    pub ways: Option<Choice>,
+    /// One set of the chosen sampler.
+    pub drawn: Piece<Drawn>,
+    /// Spectra of the studied samplers, as far as they are known.
+    pub spectra: Piece<Vec<SamplerSpectrum>>,
+    /// Discrepancies of the studied samplers, as far as they are known.
+    pub discrepancy: Piece<Vec<DiscrepancyCurve>>,
     /// What was done last, in words.
     pub notice: Option<Notice>,
     /// CPU time of the UI thread from the beginning of one frame to that of the next.
     pub frame_times: FrameTimes,
+}
+
+impl Model {
+    /// Stops of exposure that make the picture's brightest value white; none for a black one.
+    pub fn exposure_of_brightest(&self) -> Option<f64> {
+        let values = self.picture.cells.iter().flatten().copied();
+        let brightest = values.filter(|value| value.is_finite()).fold(0.0, f64::max);
+        (brightest > 0.0).then(|| (-brightest.log2()).clamp(-20.0, 20.0))
+    }
+
+    /// Whether anything is under way that [`Stop`](crate::command::Command::Stop) stops.
+    pub fn is_busy(&self) -> bool {
+        let mut studies = self.studies.iter().chain([&self.theory]);
+        let pieces = [
+            &self.drawn.progress,
+            &self.spectra.progress,
+            &self.discrepancy.progress,
+            &self.trade.progress,
+        ];
+        studies.any(|study| study.running) || pieces.iter().any(|piece| piece.is_running())
+    }
 }
 
 /// How far a piece of background work is.
@@ -58,6 +88,20 @@ pub enum Progress {
     Failed(String),
 }
 
+impl Progress {
+    /// Whether it is under way.
+    pub fn is_running(&self) -> bool {
+        matches!(self, Self::Running(_))
+    }
+
+    /// It is no longer wanted: what is finished stays.
+    pub fn stop(&mut self) {
+        if let Self::Running(share) = *self {
+            *self = Self::Stopped(share);
+        }
+    }
+}
+
 /// A sentence about what was done.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Notice {
@@ -67,15 +111,34 @@ pub struct Notice {
     pub is_fault: bool,
 }
 
-/// A trade of error against time, and what became of it.
-#[derive(Debug, Clone, Default)]
-pub struct Trade {
-    /// The pixel and what was found there.
-    pub result: Option<([u32; 2], TradeResult)>,
-    /// Whether it is under way.
-    pub running: bool,
-    /// Why there is none.
-    pub fault: Option<String>,
+/// Something that is computed as a whole, and what became of it.
+#[derive(Debug, Clone)]
+pub struct Piece<T> {
+    /// The words of the command line that were planned.
+    pub planned: Vec<String>,
+    /// What was found so far.
+    pub result: Option<T>,
+    /// How far it is.
+    pub progress: Progress,
+}
+
+impl<T> Default for Piece<T> {
+    fn default() -> Self {
+        Self { planned: Vec::new(), result: None, progress: Progress::Idle }
+    }
+}
+
+impl<T> Piece<T> {
+    /// Whether this is what `words` ask for, finished or under way.
+    pub fn is_of(&self, words: &[String]) -> bool {
+        self.planned == words && matches!(self.progress, Progress::Running(_) | Progress::Done)
+    }
+
+    /// Is about to be computed anew. What is there stays to be seen until something comes.
+    pub fn begin(&mut self, words: Vec<String>) {
+        self.planned = words;
+        self.progress = Progress::Running(0.0);
+    }
 }
 
 /// The study of one pixel or integrand.

@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use stratcore::discrepancy::Measure;
 use stratcore::sampler::CountPolicy;
 
 /// Everything a session is made of.
@@ -23,10 +24,45 @@ pub struct State {
     pub inside: InsideWords,
     /// The integrand of the theory page.
     pub theory: TheoryWords,
+    /// What the trade page measures.
+    pub trade: TradeWords,
+    /// The point sets of the patterns page.
+    pub patterns: PatternWords,
     /// The page on the right.
     pub page: Page,
     /// Dark or light.
     pub dark: bool,
+    /// How the window is shared out.
+    pub layout: Layout,
+}
+
+/// Shares of the window, which it keeps when it grows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Layout {
+    /// The picture's share of the width, 0 to 1.
+    pub picture: f32,
+    /// The share that all but the inside has of the height beside the picture, 0 to 1.
+    pub inside: f32,
+}
+
+impl Layout {
+    /// Points that a part keeps, however small its share.
+    const SMALLEST: f32 = 120.0;
+
+    /// Width of the picture in a window of so many points.
+    pub fn picture_width(&self, window: f32) -> f32 {
+        Self::part(self.picture, window)
+    }
+
+    /// Height of the inside in so many points.
+    pub fn inside_height(&self, all: f32) -> f32 {
+        Self::part(1.0 - self.inside, all)
+    }
+
+    fn part(share: f32, all: f32) -> f32 {
+        (share * all).min(all - Self::SMALLEST).max(Self::SMALLEST).round()
+    }
 }
 
 /// The pages on the right.
@@ -37,8 +73,20 @@ pub enum Page {
     Pixel,
     /// Integrands with known answers.
     Theory,
-    /// Error against time in the first pixel.
+    /// Error against time, in the first pixel or over the picture.
     Trade,
+    /// Point sets by themselves.
+    Patterns,
+}
+
+impl Page {
+    /// In the order in which they are offered, each with its name.
+    pub const ALL: [(Self, &'static str); 4] = [
+        (Self::Pixel, "Pixel"),
+        (Self::Theory, "Theory"),
+        (Self::Trade, "Trade"),
+        (Self::Patterns, "Patterns"),
+    ];
 }
 
 /// How a study is made, in the words of the command line.
@@ -130,6 +178,38 @@ pub struct TheoryWords {
     pub params: BTreeMap<String, f64>,
 }
 
+/// What error is traded for time in.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct TradeWords {
+    /// The whole picture, rather than the first pixel.
+    pub whole: bool,
+    /// Pixels along each side of the lattice that stands for the picture.
+    pub lattice: u32,
+}
+
+/// Point sets, and what is measured of them. The samplers are those of the studies.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct PatternWords {
+    /// The sampler whose set is seen, with its scramble after a plus sign.
+    pub sampler: String,
+    /// N of the set and of the spectra.
+    pub n: u64,
+    /// Dimensions of the points.
+    pub dim: usize,
+    /// The two that are seen.
+    pub axes: [usize; 2],
+    /// The trial that is seen.
+    pub trial: u32,
+    /// Sets that spectra and discrepancies are the means of.
+    pub sets: u32,
+    /// Discrepancy that is measured.
+    pub measure: String,
+    /// Sample counts that it is measured at; empty for the default of `stratcli discrepancy`.
+    pub counts: String,
+}
+
 impl Default for State {
     fn default() -> Self {
         Self {
@@ -140,8 +220,11 @@ impl Default for State {
             picture: PictureWords::default(),
             inside: InsideWords::default(),
             theory: TheoryWords::default(),
+            trade: TradeWords::default(),
+            patterns: PatternWords::default(),
             page: Page::default(),
             dark: true,
+            layout: Layout::default(),
         }
     }
 }
@@ -179,7 +262,61 @@ impl Default for TheoryWords {
     }
 }
 
+impl Default for Layout {
+    fn default() -> Self {
+        Self { picture: 0.44, inside: 0.64 }
+    }
+}
+
+impl Default for TradeWords {
+    fn default() -> Self {
+        Self { whole: false, lattice: 16 }
+    }
+}
+
+impl Default for PatternWords {
+    fn default() -> Self {
+        Self {
+            sampler: "jittered".to_owned(),
+            n: 256,
+            dim: 2,
+            axes: [0, 1],
+            trial: 0,
+            sets: 50,
+            measure: "edge".to_owned(),
+            counts: String::new(),
+        }
+    }
+}
+
+impl PatternWords {
+    /// The same in so many dimensions: with axes that they have, and a discrepancy that is
+    /// defined there.
+    pub fn in_dim(mut self, dim: usize) -> Self {
+        self.dim = dim;
+        if self.axes.iter().any(|axis| *axis >= dim) {
+            self.axes = [0, 1];
+        }
+        let is_defined = |measure: Measure| measure.check(dim).is_ok();
+        if self.measure.parse().is_ok_and(|measure| !is_defined(measure)) {
+            self.measure = Measure::Centred.name().to_owned();
+        }
+        self
+    }
+}
+
 impl State {
+    /// The place of the sampler whose point set is seen among those of the studies.
+    pub fn pattern_place(&self) -> usize {
+        let names = &self.study.samplers;
+        names.iter().position(|name| *name == self.patterns.sampler).unwrap_or(0)
+    }
+
+    /// The sampler whose point set is seen.
+    pub fn pattern_sampler(&self) -> &str {
+        self.study.samplers.get(self.pattern_place()).map_or("jittered", String::as_str)
+    }
+
     /// Scenes remembered in the menu.
     const MOST_RECENT: usize = 8;
 

@@ -1,16 +1,20 @@
 //! The jobs under way, and how what they send gets into the model.
 
+mod patterns;
+mod studies;
+
 use crate::export::{self, Export};
 use crate::jobs::{
-    InsideJob, Job, MapJob, PictureJob, PointsAsked, RightOfWay, SceneJob, Standing, StudyJob,
-    Subject, TradeJob, Wake, WatchJob, inside, map, picture, scene, study_job, trade_job, watch,
+    Drawn, InsideJob, Job, MapJob, PatternJob, PictureJob, PointsAsked, RightOfWay, SceneJob,
+    SpectrumSoFar, Standing, StudyJob, TradeJob, Wake, WatchJob, inside, map, picture, scene,
+    watch,
 };
 use crate::line;
-use crate::model::{Model, Notice, Progress, Study, Trade};
+use crate::model::{Model, Notice, Piece, Progress};
 use crate::state::State;
 use std::path::PathBuf;
 use std::sync::Arc;
-use stratcore::integrand;
+use stratcore::study::DiscrepancyCurve;
 use stratcore::trace::TracedScene;
 
 /// Everything that is being computed. A job that is replaced is cancelled.
@@ -25,7 +29,10 @@ pub struct Work {
     map: Option<MapJob>,
     inside: Option<InsideJob>,
     theory: Option<StudyJob>,
-    trade: Option<([u32; 2], TradeJob)>,
+    trade: Option<TradeJob>,
+    drawn: Option<PatternJob<Drawn>>,
+    spectra: Option<PatternJob<SpectrumSoFar>>,
+    discrepancy: Option<PatternJob<Vec<DiscrepancyCurve>>>,
     saving: Option<Job<Result<String, String>>>,
     watch: Option<WatchJob>,
 }
@@ -58,6 +65,9 @@ impl Work {
             inside: None,
             theory: None,
             trade: None,
+            drawn: None,
+            spectra: None,
+            discrepancy: None,
             saving: None,
             watch: None,
         }
@@ -82,7 +92,7 @@ impl Work {
         self.studies.clear();
         (self.picture, self.map, self.inside, self.trade) = (None, None, None, None);
         (model.map_progress, model.seen) = (Progress::Idle, None);
-        model.trade = Trade::default();
+        (model.trade, model.ways) = (Piece::default(), None);
     }
 
     /// Renders the picture from its beginning.
@@ -92,87 +102,6 @@ impl Work {
         model.picture_progress = Progress::Running(0.0);
         self.picture =
             Some(picture::render(&traced, state.picture.spp, state.study.seed, way, wake));
-    }
-
-    /// Studies the pixels of the state, those that are not under way under the same terms.
-    pub fn study(&mut self, state: &State, model: &mut Model) {
-        let Some(traced) = traced(model) else { return };
-        self.studies.retain(|(pixel, _)| state.pixels.contains(pixel));
-        let mut studies = Vec::with_capacity(state.pixels.len());
-        for &pixel in &state.pixels {
-            let words = line::pixel(state, pixel, state.study.trials);
-            let before = model.studies.iter().position(|study| study.pixel == pixel);
-            let before = before.map(|at| model.studies.swap_remove(at)).unwrap_or_default();
-            let terms = terms(&words);
-            let unchanged = before.pixel == pixel
-                && before.terms == terms
-                && before.planned == words
-                && before.until == state.study.until
-                && before.fault.is_none()
-                && !before.stopped;
-            if unchanged {
-                studies.push(before);
-                continue;
-            }
-            let mut study = before.successor(pixel, &state.study.samplers, terms);
-            study.planned = words;
-            study.until = state.study.until;
-            let channel = line::channel(&state.study.channel);
-            let subject = Subject::Pixel { traced: traced.clone(), pixel, channel };
-            self.studies.retain(|(other, _)| *other != pixel);
-            self.studies.push((pixel, self.begin(subject, &study)));
-            studies.push(study);
-        }
-        model.studies = studies;
-    }
-
-    /// Studies the integrand of the theory page.
-    pub fn theory(&mut self, state: &State, model: &mut Model) {
-        let theory = &state.theory;
-        let words = line::integrand(theory, &state.study, state.study.trials);
-        let before = &model.theory;
-        if before.planned == words && before.until == state.study.until && !before.stopped {
-            return;
-        }
-        let mut study = before.successor([0, 0], &state.study.samplers, terms(&words));
-        study.planned = words;
-        study.until = state.study.until;
-        let params: Vec<_> =
-            theory.params.iter().map(|(name, value)| (name.clone(), *value)).collect();
-        let integrand = integrand::by_name(&theory.name, Some(theory.dim), &params);
-        model.regularity = integrand.ok().map(|integrand| integrand.regularity());
-        let subject = Subject::Integrand { name: theory.name.clone(), dim: theory.dim, params };
-        self.theory = Some(self.begin(subject, &study));
-        model.theory = study;
-    }
-
-    fn begin(&self, subject: Subject, study: &Study) -> StudyJob {
-        let words = study.planned.clone();
-        let plan_in = move |dim| line::study_plan(&words, dim);
-        study_job(subject, plan_in, study.until, &self.way, self.wake.clone())
-    }
-
-    /// Stops the studies; what they found stays.
-    pub fn stop_studies(&mut self, model: &mut Model) {
-        self.studies.clear();
-        self.theory = None;
-        for study in model.studies.iter_mut().chain([&mut model.theory]) {
-            study.stopped |= study.running;
-            study.running = false;
-        }
-    }
-
-    /// Trades error for time in the first pixel.
-    pub fn trade(&mut self, state: &State, model: &mut Model) {
-        let (Some(traced), Some(&pixel)) = (traced(model), state.pixels.first()) else { return };
-        // Times are to be measured while nothing else runs.
-        self.stop_studies(model);
-        model.trade = Trade { running: true, ..Trade::default() };
-        let words = line::trade(state, pixel);
-        let plan_in = move |dim| line::study_plan(&words, dim);
-        let subject = (pixel, line::channel(&state.study.channel));
-        let (error, wake) = (state.study.error, self.wake.clone());
-        self.trade = Some((pixel, trade_job(&traced, subject, plan_in, error, &self.way, wake)));
     }
 
     /// Looks into the first pixel.
@@ -215,9 +144,7 @@ impl Work {
     /// Stops the map; what is finished stays.
     pub fn cancel_map(&mut self, model: &mut Model) {
         self.map = None;
-        if let Progress::Running(share) = model.map_progress {
-            model.map_progress = Progress::Stopped(share);
-        }
+        model.map_progress.stop();
     }
 
     /// Writes a file.
@@ -228,7 +155,7 @@ impl Work {
     }
 
     /// Puts what came in into the model.
-    pub fn poll(&mut self, model: &mut Model) -> Vec<Event> {
+    pub fn poll(&mut self, state: &State, model: &mut Model) -> Vec<Event> {
         let mut events = Vec::new();
         for loaded in take(&mut self.scene, || Err(DIED.to_owned())) {
             model.loading = None;
@@ -246,26 +173,9 @@ impl Work {
         if self.watch.as_mut().is_some_and(|watch| !watch.poll().is_empty()) {
             events.push(Event::FilesChanged);
         }
-        for patch in take(&mut self.picture, || Err(DIED.to_owned())) {
-            model.picture_progress = match patch {
-                Ok(patch) => {
-                    model.picture.add(&patch);
-                    Progress::Running(patch.progress)
-                }
-                Err(fault) => Progress::Failed(fault),
-            };
-        }
-        finish(&self.picture, &mut model.picture_progress);
-        for update in take(&mut self.map, || Err(DIED.to_owned())) {
-            model.map_progress = match update {
-                Ok(update) => {
-                    model.map.add(&update);
-                    Progress::Running(update.progress)
-                }
-                Err(fault) => Progress::Failed(fault),
-            };
-        }
-        finish(&self.map, &mut model.map_progress);
+        follow(&mut self.picture, &mut model.picture_progress, |patch| model.picture.add(&patch));
+        follow(&mut self.map, &mut model.map_progress, |update| model.map.add(&update));
+        self.poll_patterns(state, model);
         for seen in take(&mut self.inside, || Err(DIED.to_owned())) {
             match seen {
                 Ok(seen) => (model.seen, model.inside_fault) = (Some(seen), None),
@@ -277,27 +187,7 @@ impl Work {
             let text = saved.unwrap_or_else(|fault| fault);
             model.notice = Some(Notice { text, is_fault });
         }
-        if let Some((pixel, job)) = &mut self.trade {
-            for measured in job.poll() {
-                match measured {
-                    Ok(trade) => model.trade.result = Some((*pixel, trade)),
-                    Err(fault) => model.trade.fault = Some(fault),
-                }
-            }
-            model.trade.running = job.standing() == Standing::Running;
-            if job.standing() == Standing::Died {
-                model.trade.fault = Some(DIED.to_owned());
-            }
-        }
-        for (pixel, job) in &mut self.studies {
-            if let Some(study) = model.studies.iter_mut().find(|study| study.pixel == *pixel) {
-                receive(job, study);
-            }
-        }
-        self.studies.retain(|(_, job)| job.standing() == Standing::Running);
-        if let Some(job) = &mut self.theory {
-            receive(job, &mut model.theory);
-        }
+        self.poll_studies(model);
         events
     }
 }
@@ -306,33 +196,26 @@ fn traced(model: &Model) -> Option<Arc<TracedScene>> {
     model.loaded.as_ref().map(|loaded| loaded.traced.clone())
 }
 
-/// A study's words without its samplers and trials: what two curves must share to be compared.
-fn terms(words: &[String]) -> String {
-    let mut terms = Vec::new();
-    let mut words = words.iter();
-    while let Some(word) = words.next() {
-        if matches!(word.as_str(), "--samplers" | "--trials") {
-            words.next();
-        } else {
-            terms.push(word.as_str());
-        }
-    }
-    terms.join(" ")
-}
-
-fn receive(job: &mut StudyJob, study: &mut Study) {
-    for update in job.poll() {
+/// Adds what a job sent to what is known, and notes how far it is.
+fn follow<U: Send + 'static>(
+    job: &mut Option<Job<Result<U, String>>>,
+    progress: &mut Progress,
+    mut add: impl FnMut(U),
+) {
+    let Some(running) = job else { return };
+    let is_news = running.standing() == Standing::Running;
+    for update in running.poll() {
         match update {
-            Ok((result, time)) => {
-                study.first_curve.get_or_insert(time);
-                study.result = Some(result);
-            }
-            Err(fault) => study.fault = Some(fault),
+            Ok(update) => add(update),
+            Err(fault) => *progress = Progress::Failed(fault),
         }
     }
-    study.running = job.standing() == Standing::Running;
-    if job.standing() == Standing::Died {
-        study.fault = Some(DIED.to_owned());
+    if is_news && progress.is_running() {
+        *progress = match running.standing() {
+            Standing::Running => Progress::Running(running.share()),
+            Standing::Done => Progress::Done,
+            Standing::Died => Progress::Failed(DIED.to_owned()),
+        };
     }
 }
 
@@ -345,11 +228,4 @@ fn take<U: Send + 'static>(job: &mut Option<Job<U>>, died: impl Fn() -> U) -> Ve
         updates.push(died());
     }
     updates
-}
-
-fn finish<U: Send + 'static>(job: &Option<Job<U>>, progress: &mut Progress) {
-    let is_done = job.as_ref().is_some_and(|job| job.standing() == Standing::Done);
-    if is_done && matches!(progress, Progress::Running(_)) {
-        *progress = Progress::Done;
-    }
 }

@@ -1,17 +1,24 @@
 //! The explorer driven through its accessibility tree: no display, no GPU.
 
+use clap::Parser as _;
 use eframe::egui::{Key, Modifiers, OutputCommand, Pos2, Role, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use std::sync::{Arc, mpsc};
 use std::time::Duration;
+use stratcli::cli::{Cli, Command as Words};
+use stratcli::plan;
+use stratcli::report::spectrum::SamplerSpectrum;
 use stratcore::scene::Channel;
-use stratcore::study::{Control, study};
+use stratcore::study::{Control, discrepancies, study};
+use stratcore::trace::TracedScene;
+use stratcore::trade::{Subject, TradeResult, trade};
 use stratviz::app::App;
 use stratviz::command::Command;
 use stratviz::jobs::Wake;
 use stratviz::line;
-use stratviz::state::{Overlay, State, StudyWords};
+use stratviz::model::Progress;
+use stratviz::state::{Overlay, Page, PatternWords, State, StudyWords, TradeWords};
 
 /// The window, and the bell that workers ring.
 struct Window {
@@ -81,6 +88,16 @@ impl Window {
         self.harness.query_all_by_label_contains(words).next().is_some()
     }
 
+    /// What the window put into the clipboard in the last step.
+    fn copied(&self) -> String {
+        let commands = &self.harness.output().platform_output.commands;
+        let copied = commands.iter().find_map(|command| match command {
+            OutputCommand::CopyText(text) => Some(text.clone()),
+            _ => None,
+        });
+        copied.expect("nothing was copied")
+    }
+
     fn wait_for_studies(&mut self) {
         self.wait("the study", |app| {
             !app.model.studies.is_empty() && app.model.studies.iter().all(|study| !study.running)
@@ -103,18 +120,13 @@ fn a_click_shows_the_curve_that_the_command_line_gives() {
     // The line that is copied, run as stratcli runs it, gives the same numbers to the last bit.
     window.harness.key_down(Key::C);
     window.harness.step();
-    let commands = &window.harness.output().platform_output.commands;
-    let copied = commands.iter().find_map(|command| match command {
-        OutputCommand::CopyText(text) => Some(text.clone()),
-        _ => None,
-    });
-    let copied = copied.expect("nothing was copied");
+    let copied = window.copied();
     assert!(copied.starts_with("stratcli pixel edges --at 216,24"), "{copied}");
     let opened = line::open(&copied, &State::default()).unwrap();
     let words = line::pixel(&opened, opened.pixels[0], opened.study.trials);
     let plan = line::study_plan(&words, 2).unwrap();
     let scene = stratcore::scene::load("edges").unwrap();
-    let traced = stratcore::trace::TracedScene::new(scene);
+    let traced = TracedScene::new(scene);
     let integrand = traced.pixel([216, 24], Channel::Luminance);
     let batch = study(&integrand, [216, 24], &plan, Control::unwatched()).unwrap();
     let shown = window.harness.state().model.studies[0].result.as_ref().unwrap();
@@ -238,6 +250,232 @@ fn theory_is_measured_against_its_formula() {
     window.harness.get_by_label("Theory").click();
     window.wait("the study", |app| app.model.theory.result.is_some() && !app.model.theory.running);
     assert!(window.sees("against 1.5 = min(1 + 2/d, 2 - k/d) with d = 2, k = 1"));
+}
+
+#[test]
+fn patterns_are_those_of_the_command_line() {
+    let mut state = session("edges");
+    state.study.samplers = ["random", "jittered", "oa"].map(str::to_owned).to_vec();
+    state.patterns.sampler = "oa".to_owned();
+    (state.patterns.n, state.patterns.sets) = (50, 20);
+    state.patterns.counts = "2..5^2".to_owned();
+    let mut window = Window::open(state);
+    window.harness.get_by_label("Patterns").click();
+    window.wait("patterns", |app| {
+        app.model.discrepancy.result.as_ref().is_some_and(|curves| curves.len() == 3)
+            && app.model.spectra.progress == Progress::Done
+            && app.model.discrepancy.progress == Progress::Done
+            && app.model.drawn.progress == Progress::Done
+    });
+    assert!(window.sees("has no set of 50; these are 49"));
+    assert!(window.sees("Power of oa") && window.sees("mean of 20"));
+    for curve in window.harness.state().model.discrepancy.result.as_ref().unwrap() {
+        let fit = curve.fit.unwrap();
+        let p = stratcli::table::with_error(fit.exponent, fit.std_error);
+        assert!(window.sees(&format!("p = {p}")), "p = {p} is not on screen");
+    }
+
+    window.harness.key_down(Key::C);
+    window.harness.step();
+    let copied = window.copied();
+    let lines: Vec<_> = copied.lines().collect();
+    let commands = lines.iter().map(|line| line.split(' ').nth(1).unwrap()).collect::<Vec<_>>();
+    assert_eq!(commands, ["points", "spectrum", "discrepancy"]);
+    // The three lines as `stratcli` takes them: the same bits.
+    let cli = |line: &str| Cli::try_parse_from(line.split(' ')).unwrap();
+    let model = &window.harness.state().model;
+    let Cli { command: Words::Points(args), common } = cli(lines[0]) else { panic!() };
+    let points = plan::points(&args, &common, false).unwrap().draw(args.trial).unwrap();
+    assert_eq!(model.drawn.result.as_ref().unwrap().points, points);
+    let Cli { command: Words::Spectrum(args), common } = cli(lines[1]) else { panic!() };
+    let spectra = plan::point_spectra(&args, &common).unwrap();
+    let shown = model.spectra.result.as_ref().unwrap();
+    for (i, shown) in shown.iter().enumerate() {
+        let batch = spectra.measure(i, Control::unwatched(), &mut |_| {}).unwrap();
+        // Power at frequency zero is NaN, which is not equal to itself.
+        let bits = |s: &SamplerSpectrum| -> Vec<_> {
+            s.spectrum.power().iter().map(|power| power.to_bits()).collect()
+        };
+        assert_eq!((&shown.rings, bits(shown)), (&batch.rings, bits(&batch)));
+    }
+    assert_eq!(shown.len(), 3);
+    let Cli { command: Words::Discrepancy(args), common } = cli(lines[2]) else { panic!() };
+    let (plan, dim, measures) = plan::discrepancy(&args, &common).unwrap();
+    let batch = discrepancies(&plan, dim, &measures, Control::unwatched()).unwrap();
+    assert_eq!(model.discrepancy.result.as_ref().unwrap(), &batch.curves);
+
+    // The keys of the page: the next N that the sampler has, the next sampler.
+    window.harness.key_press(Key::ArrowRight);
+    window.harness.run_steps(2);
+    assert_eq!(window.harness.state().state.patterns.n, 121);
+    window.harness.key_press(Key::ArrowUp);
+    window.harness.run_steps(2);
+    assert_eq!(window.harness.state().state.patterns.sampler, "jittered");
+    // A fault is told where it arose.
+    let ctx = window.harness.ctx.clone();
+    let words = PatternWords { counts: "x".to_owned(), ..PatternWords::default() };
+    window.harness.state_mut().apply(Command::SetPatterns(words), &ctx);
+    window.wait("the fault", |app| matches!(app.model.discrepancy.progress, Progress::Failed(_)));
+    assert!(window.sees("--counts"));
+}
+
+#[test]
+fn a_long_transform_is_cancelled() {
+    let mut state = session("edges");
+    state.page = Page::Patterns;
+    (state.patterns.n, state.patterns.sets) = (1024, 10_000);
+    let mut window = Window::open(state);
+    window.wait("a first spectrum", |app| app.model.spectra.result.is_some());
+    window.harness.get_by_label("Stop").click();
+    window.harness.run_steps(3);
+    assert!(window.sees("stopped at"));
+    assert!(!window.harness.state().model.is_busy());
+    let model = &window.harness.state().model;
+    let trials = model.spectra.result.as_ref().unwrap()[0].trials;
+    assert!((16..10_000).contains(&trials), "{trials}");
+}
+
+#[test]
+fn the_trade_of_a_picture_has_the_errors_of_the_command_line() {
+    let mut state = session("edges");
+    state.page = Page::Trade;
+    state.study.samplers = ["random", "jittered"].map(str::to_owned).to_vec();
+    state.study.counts = "1..4^2".to_owned();
+    state.trade = TradeWords { whole: true, lattice: 3 };
+    let mut window = Window::open(state);
+    window.harness.get_by_label("Measure").click();
+    window.wait("the trade", |app| app.model.trade.result.is_some());
+    assert!(window.sees("luminance of 9 pixels"));
+    assert!(window.sees("For an error of 0.01 take "));
+    window.harness.key_down(Key::C);
+    window.harness.step();
+    let copied = window.copied();
+    assert!(copied.starts_with("stratcli trade edges --lattice 3 --targets 0.01"), "{copied}");
+
+    let Cli { command: Words::Trade(args), common } =
+        Cli::try_parse_from(copied.split(' ')).unwrap()
+    else {
+        panic!()
+    };
+    let traced = TracedScene::new(stratcore::scene::load("edges").unwrap());
+    let (_, pixels) = plan::trade_pixels(&args, traced.scene()).unwrap();
+    let integrands: Vec<_> =
+        pixels.iter().map(|&pixel| traced.pixel(pixel, Channel::Luminance)).collect();
+    let subjects = pixels.iter().zip(&integrands);
+    let subjects: Vec<_> =
+        subjects.map(|(&pixel, integrand)| Subject { pixel, integrand }).collect();
+    let plan = plan::trade_plan(&args, &common, 2).unwrap();
+    let control = Control::unwatched();
+    let start = std::time::Instant::now();
+    let batch = trade(&subjects, &plan, &|| start.elapsed(), control).unwrap();
+    // Times are the machine's; errors are not.
+    let errors = |trade: &TradeResult| -> Vec<_> {
+        let rows = trade.samplers.iter().flat_map(|sampler| &sampler.rows);
+        rows.map(|row| row.error.clone()).collect()
+    };
+    let model = &window.harness.state().model;
+    let shown = &model.trade.result.as_ref().unwrap().result;
+    assert_eq!((shown.reference, errors(shown)), (batch.reference, errors(&batch)));
+
+    // Another error is looked up in what was measured.
+    let ctx = window.harness.ctx.clone();
+    let study = StudyWords { error: 0.02, ..window.harness.state().state.study.clone() };
+    window.harness.state_mut().apply(Command::SetStudy(study), &ctx);
+    window.harness.run_steps(2);
+    assert!(window.sees("For an error of 0.02 take ") && !window.sees("was not measured"));
+}
+
+#[test]
+fn the_picture_is_zoomed_by_a_rectangle_and_its_pixels_hold_numbers() {
+    let mut window = Window::open(State { pixels: vec![[216, 24]], ..session("edges") });
+    window.wait_for_studies();
+    window.wait("the picture", |app| app.model.picture_progress == Progress::Done);
+    let [from, to] = [[210, 20], [216, 26]].map(|pixel| window.screen(pixel));
+    window.harness.hover_at(from);
+    let button = |pos, pressed| eframe::egui::Event::PointerButton {
+        pos,
+        button: eframe::egui::PointerButton::Primary,
+        pressed,
+        modifiers: Modifiers::COMMAND,
+    };
+    window.harness.event_modifiers(button(from, true), Modifiers::COMMAND);
+    window.harness.step();
+    for share in [0.5, 1.0] {
+        let event = eframe::egui::Event::PointerMoved(from + (to - from) * share);
+        window.harness.event_modifiers(event, Modifiers::COMMAND);
+        window.harness.step();
+    }
+    window.harness.event_modifiers(button(to, false), Modifiers::COMMAND);
+    window.harness.run_steps(3);
+    // The middle of the panel is now the middle of the rectangle.
+    window.harness.hover_at(window.harness.get_by_label("Picture").rect().center());
+    window.harness.run_steps(2);
+    assert!(window.sees("x 213  y 23"), "the picture is not where it should be");
+    assert_eq!(window.harness.state().state.pixels, [[216, 24]]);
+    // x,y of what is under the pointer.
+    window.harness.event(eframe::egui::Event::Copy);
+    window.harness.step();
+    assert_eq!(window.copied(), "213,23");
+}
+
+/// A file that is dropped on the window.
+#[derive(Debug)]
+struct Dropped(std::path::PathBuf);
+
+impl eframe::egui::DroppedFile for Dropped {
+    fn path(&self) -> &std::path::Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}
+
+#[test]
+fn a_pixel_is_removed_and_a_dropped_file_is_opened() {
+    let mut window = Window::open(State { pixels: vec![[216, 24], [30, 200]], ..session("edges") });
+    window.wait_for_studies();
+    let at = window.screen([216, 24]);
+    window.harness.hover_at(at);
+    for pressed in [true, false] {
+        let button = eframe::egui::PointerButton::Secondary;
+        let modifiers = Modifiers::NONE;
+        window.harness.event(eframe::egui::Event::PointerButton {
+            pos: at,
+            button,
+            pressed,
+            modifiers,
+        });
+    }
+    window.harness.run_steps(2);
+    assert_eq!(window.harness.state().state.pixels, [[30, 200]]);
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("wall.obj");
+    std::fs::write(&path, "v -9 -9 0\nv 9 -9 0\nv 9 9 0\nf 1 2 3\n").unwrap();
+    window.harness.input_mut().dropped_files.push(Arc::new(Dropped(path.clone())));
+    window.harness.step();
+    window.wait("the file", |app| app.model.loading.is_none());
+    assert_eq!(window.harness.state().state.scene, path.display().to_string());
+    assert!(window.sees("1 triangles"));
+}
+
+#[test]
+fn parts_keep_their_shares_when_the_window_grows() {
+    let mut window = Window::open(State { pixels: vec![[216, 24]], ..session("edges") });
+    let share = |window: &Window, whole: f32| {
+        let [picture, inside] =
+            ["Picture", "Inside"].map(|name| window.harness.get_by_label(name).rect());
+        [picture.width() / whole, inside.height() / whole]
+    };
+    let small = share(&window, 1280.0);
+    window.harness.set_size(vec2(2560.0, 1440.0));
+    window.harness.run_steps(3);
+    let large = share(&window, 2560.0);
+    for (small, large) in small.into_iter().zip(large) {
+        assert!((small - large).abs() < 0.03, "{small} {large}");
+    }
 }
 
 #[test]

@@ -5,13 +5,10 @@ use crate::cli::{Common, PointFormat, PointsArgs};
 use crate::output::{self, AtomicFile};
 use crate::plan;
 use crate::report::{PlotFile, points as figure};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
 use serde::Serialize;
 use std::fmt::Write;
-use stratcore::rng::StreamKey;
-use stratcore::sampler::{
-    CountPolicy, PointSet, Scramble, check_scramble, check_trials, count_used, whole_set,
-};
+use stratcore::sampler::Scramble;
 
 #[derive(Serialize)]
 struct PointsDocument<'a> {
@@ -29,32 +26,9 @@ struct PointsDocument<'a> {
 }
 
 pub fn run(args: &PointsArgs, common: &Common) -> Result<Outcome> {
-    /// Coordinates as text: some two gibibytes.
-    const MOST: u64 = 1 << 26;
-    /// Dots in one drawing.
-    const MOST_DRAWN: u64 = 1 << 16;
-    let names = std::slice::from_ref(&args.sampler);
-    let choice = plan::samplers(names, args.scramble.as_deref())?[0];
-    let (sampler, scramble) = (choice.sampler, choice.scramble);
-    let PointsArgs { n, dim, trial, sets, .. } = *args;
-    ensure!(n >= 1, "-n {n}: a set has at least 1 point");
-    ensure!(dim >= 1, "--dim {dim}: points have at least 1 dimension");
-    check_scramble(sampler, scramble).context("--scramble")?;
-    let policy = CountPolicy::from(args.n_policy);
-    let n_used = count_used(sampler, n, dim, policy)?;
-    let trials = trial.checked_add(sets).context("--trial and --sets: their sum is beyond 2^32")?;
-    check_trials(sampler, scramble, n_used, trials)?;
-    let coordinates = n_used.saturating_mul(dim as u64).saturating_mul(sets.into());
-    ensure!(
-        coordinates <= MOST,
-        "{sets} × {n_used} points in {dim} dimensions are more coordinates than fit in one text, \
-         {MOST}; ask for fewer sets or points"
-    );
-    let axes = args.plot.as_ref().map(|_| plan::axes(&args.axes, dim)).transpose()?;
-    ensure!(
-        args.plot.is_none() || n_used <= MOST_DRAWN,
-        "--plot: {n_used} points are more than a drawing shows, {MOST_DRAWN}"
-    );
+    let plan = plan::points(args, common, args.plot.is_some())?;
+    let (sampler, scramble) = (plan.choice.sampler, plan.choice.scramble);
+    let (n_used, dim) = (plan.set.key.n_samples, plan.set.dim);
     let format = match (args.format, common.json) {
         (None, true) => PointFormat::Json,
         (None, false) => PointFormat::Csv,
@@ -67,19 +41,13 @@ pub fn run(args: &PointsArgs, common: &Common) -> Result<Outcome> {
     let plot = args.plot.as_deref().map(PlotFile::create).transpose()?;
     let file = args.output.as_deref().map(AtomicFile::create).transpose()?;
 
-    let strata = (scramble == Scramble::None).then(|| sampler.strata(n_used, dim)).flatten();
-    let (seed, stream) = (common.seed, sampler.stream_id());
-    let drawn: Vec<Vec<f64>> = (trial..trials)
-        .map(|trial| {
-            let key = StreamKey { seed, pixel: [0, 0], sampler: stream, n_samples: n_used, trial };
-            let rectangular = policy == CountPolicy::Rect;
-            whole_set(sampler, &PointSet { key, dim, scramble, rectangular })
-        })
-        .collect::<Result<_, _>>()?;
+    let strata = plan.strata();
+    let drawn: Vec<Vec<f64>> =
+        plan.trials.clone().map(|trial| plan.draw(trial)).collect::<Result<_, _>>()?;
 
-    if let Some((plot, axes)) = plot.zip(axes) {
+    if let Some((plot, axes)) = plot.zip(plan.axes) {
         let label = crate::report::chart::label(sampler.name(), scramble);
-        let title = format!("{label}, N = {n_used}, d = {dim}, trial {trial}");
+        let title = format!("{label}, N = {n_used}, d = {dim}, trial {}", args.trial);
         plot.commit(&figure::draw(&title, &drawn[0], dim, axes, strata.as_deref()))?;
     }
     let text = match format {
@@ -89,11 +57,11 @@ pub fn run(args: &PointsArgs, common: &Common) -> Result<Outcome> {
             sampler: sampler.name(),
             scramble,
             dim,
-            n,
+            n: plan.n,
             n_used,
             strata: strata.as_deref(),
-            seed,
-            trial,
+            seed: common.seed,
+            trial: args.trial,
             sets: drawn.iter().map(|set| set.chunks_exact(dim).collect()).collect(),
         })?,
     };
@@ -101,8 +69,12 @@ pub fn run(args: &PointsArgs, common: &Common) -> Result<Outcome> {
         Some(file) => file.commit(text.as_bytes())?,
         None => output::print(&text)?,
     }
-    if !common.quiet && n_used != n {
-        output::note(&format!("note: {} has no {n} points; these are {n_used}", sampler.name()));
+    if !common.quiet && n_used != plan.n {
+        output::note(&format!(
+            "note: {} has no {} points; these are {n_used}",
+            sampler.name(),
+            plan.n
+        ));
     }
     Ok(Outcome::Done)
 }

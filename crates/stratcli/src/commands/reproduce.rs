@@ -6,7 +6,7 @@
 mod close_up;
 mod form_factor;
 mod literature;
-mod output;
+pub(super) mod output;
 mod pixels;
 mod tally;
 mod verdicts;
@@ -22,6 +22,7 @@ use crate::table::{Align, columns};
 use anyhow::Result;
 use form_factor::SIDE;
 use output::Report;
+pub use output::link_from_report;
 use stratcore::StudyError;
 use stratcore::integrand::Integrand as _;
 use stratcore::scene::Channel;

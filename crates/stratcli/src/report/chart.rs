@@ -46,10 +46,13 @@ impl Style {
     }
 }
 
-/// Styles of samplers in one figure: their own, unless two of them would share a colour.
+/// Styles of samplers in one figure: their own, unless two of them would share a colour, or
+/// marker and dash, which are all that grey leaves.
 pub fn styles(names: &[&str]) -> Vec<Style> {
     let own: Vec<_> = names.iter().map(|name| Style::of_sampler(name)).collect();
-    let shared = |i: usize| own[..i].iter().any(|other| other.colour == own[i].colour);
+    let alike =
+        |a: &Style, b: &Style| a.colour == b.colour || (a.marker == b.marker && a.dash == b.dash);
+    let shared = |i: usize| own[..i].iter().any(|other| alike(other, &own[i]));
     match (0..own.len()).any(shared) {
         true => (0..own.len()).map(Style::nth).collect(),
         false => own,
@@ -93,9 +96,8 @@ pub fn convergence(title: &str, result: &StudyResult) -> Svg {
     let (width, plot) = (540.0, Rect { x: 78.0, y: 52.0 + legend_height, w: 412.0, h: 320.0 });
     let mut svg = Svg::new(width, plot.y + plot.h + 56.0, title);
     svg.text([plot.x - 50.0, 30.0], plain(16.0, INK), title);
-    for (i, sampler) in result.samplers.iter().enumerate() {
+    for (i, (sampler, style)) in result.samplers.iter().zip(styles_of(result)).enumerate() {
         let y = 54.0 + LEGEND_ROW * i as f64;
-        let style = Style::of_sampler(sampler.name);
         svg.line([plot.x - 50.0, y], [plot.x - 16.0, y], style.stroke(1.6));
         svg.marker([plot.x - 33.0, y], style.marker, style.colour);
         svg.text([plot.x - 6.0, y + 4.5], plain(13.0, INK), &legend(sampler));
@@ -121,9 +123,13 @@ pub fn convergence_into(svg: &mut Svg, area: Rect, result: &StudyResult) {
     let y = Axis::log(s_range, [area.y + area.h, area.y]);
     axis::draw(svg, area, &x, &y, ["samples in one estimate, N", "variance of the mean"]);
     reference_slopes(svg, result, &x, &y, s_range[0]);
-    for sampler in &result.samplers {
-        curve(svg, sampler, &x, &y);
+    for (sampler, style) in result.samplers.iter().zip(styles_of(result)) {
+        curve(svg, sampler, style, &x, &y);
     }
+}
+
+fn styles_of(result: &StudyResult) -> Vec<Style> {
+    styles(&result.samplers.iter().map(|sampler| sampler.name).collect::<Vec<_>>())
 }
 
 /// Least and largest of values above zero.
@@ -177,9 +183,8 @@ pub fn fraction(class: Class, dim: usize) -> String {
     if top % bottom == 0 { format!("{}", top / bottom) } else { format!("{top}/{bottom}") }
 }
 
-fn curve(svg: &mut Svg, sampler: &SamplerResult, x: &Axis, y: &Axis) {
+fn curve(svg: &mut Svg, sampler: &SamplerResult, style: Style, x: &Axis, y: &Axis) {
     const CAP: f64 = 2.5;
-    let style = Style::of_sampler(sampler.name);
     let thin = Stroke::solid(style.colour, 0.9);
     if let Some((fit, two)) = sampler.fit.zip(sampler.two_terms) {
         const STEPS: u32 = 48;
@@ -262,6 +267,12 @@ mod tests {
         for names in [["random", "poisson"], ["sobol", "sobol"]] {
             let found = colours(&names);
             assert_ne!(found[0], found[1], "{names:?}");
+        }
+        // Twenty places apart on the shelf: other colours, but one marker and one dash.
+        for far in SHELF.iter().skip(20) {
+            let i = SHELF.iter().position(|s| s.name() == far.name()).unwrap();
+            let found = styles(&[SHELF[i - 20].name(), far.name()]);
+            assert!(found[0].marker != found[1].marker, "{}", far.name());
         }
     }
 

@@ -3,6 +3,7 @@
 use super::axis::{self, Axis, INK, MUTED, SMALL, plain};
 use super::chart::{Style, bounds, label, styles, widen};
 use super::svg::{Rect, Stroke, Svg};
+use crate::output::csv_line;
 use stratcore::discrepancy::Measure;
 use stratcore::study::{Discrepancies, DiscrepancyCurve};
 
@@ -65,7 +66,7 @@ fn panel(svg: &mut Svg, [left, top]: [f64; 2], measure: Measure, curves: &[&Disc
     let x = Axis::log(n_range, [area.x, area.x + area.w]);
     let y = Axis::log(value_range, [area.y + area.h, area.y]);
     axis::draw(svg, area, &x, &y, ["points, N", "mean discrepancy"]);
-    reference_slopes(svg, &rate, curves, &x, &y, value_range[0]);
+    reference_slopes(svg, measure, curves, &x, &y, value_range[0]);
     for (curve, style) in curves.iter().zip(&styles) {
         draw_curve(svg, curve, style, &x, &y);
     }
@@ -79,9 +80,17 @@ fn legend(curve: &DiscrepancyCurve) -> String {
     }
 }
 
-fn interval(mean: f64, std_error: Option<f64>) -> [f64; 2] {
+/// The 95 % interval of a mean; the mean itself where there is no error.
+pub fn interval(mean: f64, std_error: Option<f64>) -> [f64; 2] {
     let half = 1.959_963_985 * std_error.unwrap_or(0.0);
     [mean - half, mean + half]
+}
+
+/// Rates that theory knows, each as it is written and as the p of N^-p: that of random points,
+/// and the steepest.
+pub fn rates(measure: Measure) -> [(&'static str, f64); 2] {
+    let rate = Rate::of(measure);
+    [("\u{2212}1/2", 0.5), (rate.steepest_label, rate.steepest)]
 }
 
 /// What theory knows of rates.
@@ -120,7 +129,7 @@ impl Rate {
 /// point: their constants are unknown or those of no sampler here.
 fn reference_slopes(
     svg: &mut Svg,
-    rate: &Rate,
+    measure: Measure,
     curves: &[&DiscrepancyCurve],
     x: &Axis,
     y: &Axis,
@@ -134,7 +143,7 @@ fn reference_slopes(
     let last = rows.map(|row| row.n_used).max().unwrap_or(first.n_used) as f64;
     let dashed = Stroke { colour: "#8a8a8a", width: 0.9, dash: "4 4" };
     let (n0, v0) = (first.n_used as f64, first.mean);
-    for (p, label) in [(0.5, "\u{2212}1/2"), (rate.steepest, rate.steepest_label)] {
+    for (label, p) in rates(measure) {
         let end = last.min(n0 * (v0 / floor).powf(1.0 / p));
         let to = [x.at(end), y.at(v0 * (end / n0).powf(-p))];
         svg.line([x.at(n0), y.at(v0)], to, dashed);
@@ -142,7 +151,7 @@ fn reference_slopes(
         let above = if end < last { -6.0 } else { 4.0 };
         svg.text([to[0] + 5.0, to[1] + above], plain(SMALL, MUTED), label);
     }
-    if rate.upper_bound {
+    if Rate::of(measure).upper_bound {
         let bound = |n: f64| v0 * (n / n0).powf(-0.75) * (n.ln() / n0.ln()).sqrt();
         let steps = 48;
         let n = |i: i32| n0 * (last / n0).powf(f64::from(i) / f64::from(steps));
@@ -165,4 +174,31 @@ fn draw_curve(svg: &mut Svg, curve: &DiscrepancyCurve, style: &Style, x: &Axis, 
         }
         svg.marker([at, y.at(row.mean)], style.marker, style.colour);
     }
+}
+
+/// A line per sampler, discrepancy and N. What is missing is empty.
+pub fn csv(result: &Discrepancies) -> String {
+    let mut text = "sampler,scramble,dim,n_requested,n_used,trials,seed,measure,mean,std_error,\
+                    mean_sq,std_error_sq\n"
+        .to_owned();
+    let optional = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
+    for curve in &result.curves {
+        for row in &curve.rows {
+            text += &csv_line(&[
+                curve.sampler.to_owned(),
+                curve.scramble.to_string(),
+                result.dim.to_string(),
+                row.n.to_string(),
+                row.n_used.to_string(),
+                row.trials.to_string(),
+                result.seed.to_string(),
+                curve.measure.name().to_owned(),
+                row.mean.to_string(),
+                optional(row.std_error),
+                optional(row.mean_sq),
+                optional(row.std_error_sq),
+            ]);
+        }
+    }
+    text
 }

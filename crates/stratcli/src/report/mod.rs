@@ -16,6 +16,7 @@ pub mod points;
 pub mod raster;
 pub mod sides;
 pub mod spectrum;
+pub mod stability;
 pub mod summary;
 pub mod svg;
 pub mod trade;

@@ -1,12 +1,11 @@
 //! The samples that pixels need, and the errors that come of them, as pictures.
 
 use super::axis::{INK, MUTED, SMALL, plain};
+use super::chart::label;
+use super::picture::EXACT;
 use super::raster::{Raster, viridis};
 use super::svg::{Rect, Stroke, Svg};
-use stratcore::trade::needed::{Need, Needed, PixelNeed};
-
-/// Grey of a pixel without an error.
-const EXACT: [u8; 3] = [0xd8; 3];
+use stratcore::trade::needed::{Need, NeedMap, Needed, PixelNeed};
 
 /// Range of errors that is shown, in units of the target: a factor of four either way.
 const WORST: f64 = 4.0;
@@ -31,7 +30,7 @@ fn error_colour(pixel: &PixelNeed, rmse: f64, error: f64) -> [u8; 3] {
 }
 
 /// N in false colour, as linear R, G and B: what a viewer of the EXR shows.
-pub fn false_colour(found: &Needed) -> Vec<(String, Vec<f32>)> {
+pub fn false_colour(found: &NeedMap) -> Vec<(String, Vec<f32>)> {
     let colours: Vec<_> =
         found.pixels.iter().map(|pixel| n_colour(pixel, found.uniform_spp_for_all)).collect();
     let linear = |byte: u8| {
@@ -43,36 +42,49 @@ pub fn false_colour(found: &Needed) -> Vec<(String, Vec<f32>)> {
     ["R", "G", "B"].iter().enumerate().map(|(i, name)| ((*name).to_owned(), channel(i))).collect()
 }
 
-/// N per pixel, the error with it, and the error of a uniform picture of as many samples.
+/// A row of three pictures per sampler: N per pixel, the error with it, and the error of a
+/// uniform picture of as many samples.
 pub fn draw(title: &str, found: &Needed) -> Svg {
     const SIDE: f64 = 300.0;
     const GAP: f64 = 86.0;
     let [across, down] = found.size;
     let h = SIDE * f64::from(down) / f64::from(across);
-    let most = found.uniform_spp_for_all;
-    let mut svg = Svg::new(28.0 + 3.0 * (SIDE + GAP), 84.0 + h + 44.0, title);
+    let row_height = h + 44.0;
+    let rows = found.maps.len() as f64;
+    let mut svg = Svg::new(28.0 + 3.0 * (SIDE + GAP), 40.0 + rows * row_height + 44.0, title);
     svg.text([28.0, 30.0], plain(16.0, INK), title);
     let error = found.error;
-    let uniform = format!("RMS error, uniform {} spp", found.uniform_spp);
-    let panels: [(&str, Colour); 3] = [
-        ("samples needed, N", Box::new(move |p| n_colour(p, most))),
-        ("RMS error with these N", Box::new(move |p| error_colour(p, p.rmse, error))),
-        (&uniform, Box::new(move |p| error_colour(p, p.rmse_uniform, error))),
-    ];
-    for (i, (name, colour)) in panels.iter().enumerate() {
-        let x = 28.0 + i as f64 * (SIDE + GAP);
-        let area = Rect { x, y: 72.0, w: SIDE, h };
-        svg.text([x, 62.0], plain(13.0, INK), name);
-        svg.image(
-            area,
-            Raster { size: found.size, rgb: found.pixels.iter().map(colour).collect() },
-        );
-        svg.outline(area, Stroke::solid("#bbbbbb", 1.0));
-        let bar = Rect { x: x + SIDE + 10.0, w: 14.0, ..area };
-        let ticks = if i == 0 { n_ticks(most) } else { error_ticks() };
-        scale(&mut svg, bar, &ticks);
+    // One scale of N for all samplers: their colours can be compared.
+    let most = found.maps.iter().map(|map| map.uniform_spp_for_all).max().unwrap_or(1);
+    for (row, map) in found.maps.iter().enumerate() {
+        let top = 72.0 + row as f64 * row_height;
+        let name = label(map.sampler, map.scramble);
+        let panels: [(String, Colour); 3] = [
+            (format!("samples needed, {name}"), Box::new(move |p| n_colour(p, most))),
+            (
+                "RMS error with these N".to_owned(),
+                Box::new(move |p| error_colour(p, p.rmse, error)),
+            ),
+            (
+                format!("RMS error, uniform {} spp", map.uniform_spp),
+                Box::new(move |p| error_colour(p, p.rmse_uniform, error)),
+            ),
+        ];
+        for (i, (name, colour)) in panels.iter().enumerate() {
+            let x = 28.0 + i as f64 * (SIDE + GAP);
+            let area = Rect { x, y: top, w: SIDE, h };
+            svg.text([x, top - 10.0], plain(13.0, INK), name);
+            svg.image(
+                area,
+                Raster { size: found.size, rgb: map.pixels.iter().map(colour).collect() },
+            );
+            svg.outline(area, Stroke::solid("#bbbbbb", 1.0));
+            let bar = Rect { x: x + SIDE + 10.0, w: 14.0, ..area };
+            let ticks = if i == 0 { n_ticks(most) } else { error_ticks() };
+            scale(&mut svg, bar, &ticks);
+        }
     }
-    let key = 72.0 + h + 26.0;
+    let key = 40.0 + rows * row_height + 14.0;
     let swatch = Rect { x: 28.0, y: key - 10.0, w: 12.0, h: 12.0 };
     svg.fill(swatch, "#d8d8d8", 1.0);
     svg.outline(swatch, Stroke::solid("#999999", 0.8));

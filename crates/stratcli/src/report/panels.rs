@@ -1,7 +1,6 @@
 //! A map as panels side by side: the mean, p under each sampler, the class, the best sampler.
 
 use super::axis::{INK, MUTED, SMALL, plain};
-use super::chart::Style;
 use super::gain::class_style;
 use super::picture::EXACT;
 use super::raster::{Raster, viridis};
@@ -48,9 +47,13 @@ pub fn class_colour(pixel: [u32; 2], class: Option<Class>) -> [u8; 3] {
     }
 }
 
+/// Colours of areas, which have no marker and no dash to be told apart by: in grey the lightness
+/// of neighbours in this list is 10 of 100 apart or more.
+const AREAS: [&str; 6] = ["#e69f00", "#0072b2", "#f7f0b6", "#4a1a4a", "#cc79a7", "#000000"];
+
 /// The colour of a sampler by its place among those compared.
 pub fn sampler_colour(place: usize) -> [u8; 3] {
-    rgb(Style::nth(place).colour)
+    rgb(AREAS[place % AREAS.len()])
 }
 
 fn missing_colour([x, y]: [u32; 2]) -> [u8; 3] {
@@ -123,7 +126,7 @@ fn key(svg: &mut Svg, at: [f64; 2], key: &Key) {
         Key::Samplers(names) => {
             for (i, name) in names.iter().enumerate() {
                 let place = [at[0] + 120.0 * (i % 3) as f64, at[1] + 16.0 * (i / 3) as f64];
-                swatch(svg, place, &Ink::Plain(Style::nth(i).colour), name);
+                swatch(svg, place, &Ink::Plain(AREAS[i % AREAS.len()]), name);
             }
         }
     }

@@ -94,12 +94,13 @@ pub fn stretched(linear: &[Rgb]) -> Vec<Rgb> {
     stretched.collect()
 }
 
-/// The colour of p on the map's fixed scale, 1 to 2: viridis (van der Walt & Smith 2015, CC0),
-/// interpolated between ten of its colours.
+/// The colour of t in [0, 1] on the scale of all false colours: viridis (van der Walt & Smith
+/// 2015, CC0), interpolated between eight of its colours. Its last two ninths, up to yellow, are
+/// left out: in grey they are the light grey that stands for exact pixels.
 pub fn viridis(t: f64) -> [u8; 3] {
-    const STOPS: [u32; 10] = [
+    const STOPS: [u32; 8] = [
         0x44_01_54, 0x48_28_78, 0x3e_49_89, 0x31_68_8e, 0x26_82_8e, 0x1f_9e_89, 0x35_b7_79,
-        0x6e_ce_58, 0xb5_de_2b, 0xfd_e7_25,
+        0x6e_ce_58,
     ];
     let at = t.clamp(0.0, 1.0) * (STOPS.len() - 1) as f64;
     let low = (at as usize).min(STOPS.len() - 2);
@@ -133,7 +134,23 @@ mod tests {
     #[test]
     fn viridis_at_its_ends() {
         assert_eq!(viridis(0.0), [0x44, 0x01, 0x54]);
-        assert_eq!(viridis(1.0), [0xfd, 0xe7, 0x25]);
+        assert_eq!(viridis(1.0), [0x6e, 0xce, 0x58]);
+    }
+
+    /// In grey the scale only brightens, and stays a tenth of all lightness (CIE L*) darker than
+    /// what is exact.
+    #[test]
+    fn false_colours_are_in_order_in_grey() {
+        let lightness = |rgb: [u8; 3]| {
+            let linear = rgb.map(|byte| match f64::from(byte) / 255.0 {
+                x if x <= 0.040_45 => x / 12.92,
+                x => ((x + 0.055) / 1.055).powf(2.4),
+            });
+            116.0 * Channel::Luminance.of(linear).cbrt() - 16.0
+        };
+        let ramp: Vec<_> = (0..=64).map(|i| lightness(viridis(f64::from(i) / 64.0))).collect();
+        assert!(ramp.windows(2).all(|pair| pair[1] > pair[0]), "{ramp:?}");
+        assert!(lightness(super::super::picture::EXACT) > ramp[64] + 10.0);
     }
 
     #[test]

@@ -27,11 +27,11 @@ pub fn draw(cases: &[FormFactorCase]) -> Svg {
     axis::draw(&mut svg, area, &x, &y, ["side of the occluder", "exponent p"]);
     let dotted = Stroke { colour: "#8a8a8a", width: 0.9, dash: "1.5 3" };
     svg.line([area.x, y.at(predicted)], [area.x + area.w, y.at(predicted)], dotted);
-    let mut labels = vec![(predicted, format!("theory {predicted}"), MUTED)];
+    let mut labels = vec![(predicted, format!("theory {predicted}"), None)];
     for (i, style, name) in series {
         let style = Style::nth(style);
         svg.line([area.x, y.at(paper[i])], [area.x + area.w, y.at(paper[i])], style.stroke(1.2));
-        labels.push((paper[i], format!("paper {:.3}", paper[i]), style.colour));
+        labels.push((paper[i], format!("paper {:.3}", paper[i]), Some(style)));
         let row = 54.0 + 19.0 * i as f64;
         svg.marker([36.0, row], style.marker, style.colour);
         let words = format!("{name}: mean; thin bar, scatter of one run; line, exact");
@@ -51,14 +51,18 @@ pub fn draw(cases: &[FormFactorCase]) -> Svg {
             svg.marker([at, y.at(mean)], style.marker, style.colour);
         }
         let exact = sides().filter_map(|case| Some([x.at(case.occluder?), y.at(case.exact[i]?)]));
-        svg.path(&exact.collect::<Vec<_>>(), Stroke::solid(style.colour, 1.0));
+        svg.path(&exact.collect::<Vec<_>>(), style.stroke(1.0));
     }
     // Labels in the right margin, moved down where they would touch.
     labels.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut below = f64::NEG_INFINITY;
-    for (value, words, colour) in labels {
+    for (value, words, style) in labels {
         below = (y.at(value) + 4.0).max(below + 15.0);
-        svg.text([area.x + area.w + 8.0, below], plain(SMALL, colour), &words);
+        let at = area.x + area.w + 10.0;
+        if let Some(Style { marker, colour, .. }) = style {
+            svg.marker([at, below - 4.0], marker, colour);
+        }
+        svg.text([at + 8.0, below], plain(SMALL, MUTED), &words);
     }
     svg
 }

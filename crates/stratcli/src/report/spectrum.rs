@@ -4,6 +4,7 @@ use super::axis::{self, Axis, INK, MUTED, SMALL, centred, plain};
 use super::chart::{Style, label, styles};
 use super::raster::{Raster, viridis};
 use super::svg::{Rect, Stroke, Svg};
+use crate::output::csv_line;
 use serde::Serialize;
 use stratcore::sampler::Scramble;
 use stratcore::spectrum::{Ring, Spectrum};
@@ -32,7 +33,7 @@ pub struct Spectra {
 }
 
 /// The spectrum under one sampler.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SamplerSpectrum {
     /// Sampler's name.
     pub name: &'static str,
@@ -197,4 +198,35 @@ impl SamplerSpectrum {
         }
         text
     }
+}
+
+/// A line per sampler and ring. What is missing is empty.
+pub fn csv(spectra: &Spectra) -> String {
+    let mut text = "scene,sampler,scramble,dim,n_requested,n_used,trials,seed,frequency,power,\
+                    std_error,anisotropy_db,frequencies\n"
+        .to_owned();
+    for sampler in &spectra.samplers {
+        for ring in &sampler.rings {
+            text += &csv_line(&[
+                spectra.scene.clone().unwrap_or_default(),
+                sampler.name.to_owned(),
+                sampler.scramble.to_string(),
+                spectra.dim.to_string(),
+                spectra.n.to_string(),
+                sampler.n_used.to_string(),
+                sampler.trials.to_string(),
+                spectra.seed.to_string(),
+                ring.frequency.to_string(),
+                ring.power.to_string(),
+                ring.std_error.to_string(),
+                if ring.anisotropy_db.is_finite() {
+                    ring.anisotropy_db.to_string()
+                } else {
+                    String::new()
+                },
+                ring.frequencies.to_string(),
+            ]);
+        }
+    }
+    text
 }

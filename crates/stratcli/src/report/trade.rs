@@ -1,11 +1,20 @@
 //! Error against time: the chart of a trade, and its page.
 
+pub mod csv;
+pub mod words;
+
 use super::axis::{self, Axis, INK, MUTED, SMALL, plain};
-use super::chart::Style;
+use super::chart::{Style, label, styles};
+use super::page;
 use super::svg::{Rect, Stroke, Svg, Type};
 use maud::{DOCTYPE, PreEscaped, html};
-use stratcore::sampler::Scramble;
 use stratcore::trade::{SamplerTrade, Target, TradeResult, TradeRow};
+
+/// The page's file.
+pub const PAGE: &str = "trade.html";
+
+/// What the page is called.
+pub const TITLE: &str = "Error against time";
 
 /// RMS error against the time of one estimate, both on log axes; the Pareto front as a grey
 /// band behind the curves, targets as dashed lines.
@@ -15,17 +24,18 @@ pub fn chart(title: &str, result: &TradeResult) -> Svg {
     let plot = Rect { x: 78.0, y: 52.0 + legend_height, w: 452.0, h: 330.0 };
     let mut svg = Svg::new(580.0, plot.y + plot.h + 56.0, title);
     svg.text([28.0, 30.0], plain(16.0, INK), title);
-    for (i, sampler) in result.samplers.iter().enumerate() {
+    let styles = styles(&result.samplers.iter().map(|sampler| sampler.name).collect::<Vec<_>>());
+    for (i, (sampler, style)) in result.samplers.iter().zip(&styles).enumerate() {
         let y = 54.0 + LEGEND_ROW * i as f64;
-        let style = Style::of_sampler(sampler.name);
         svg.line([28.0, y], [62.0, y], style.stroke(1.6));
         svg.marker([45.0, y], style.marker, style.colour);
-        svg.text([72.0, y + 4.5], plain(13.0, INK), &legend(sampler));
+        svg.text([72.0, y + 4.5], plain(13.0, INK), &label(sampler.name, sampler.scramble));
     }
     let shown: Vec<_> =
         result.samplers.iter().flat_map(|s| &s.rows).filter(|row| row.error.rmse > 0.0).collect();
     let targets: Vec<_> = result.choices.iter().map(|choice| choice.error).collect();
-    let times = bounds(shown.iter().map(|row| row.ns_per_estimate.median));
+    let quartiles = |row: &&TradeRow| [row.ns_per_estimate.lower, row.ns_per_estimate.upper];
+    let times = bounds(shown.iter().flat_map(quartiles));
     let errors = bounds(shown.iter().map(|row| row.error.rmse).chain(targets.iter().copied()));
     let (Some(times), Some(errors)) = (times, errors) else {
         svg.text([plot.x, plot.y + 40.0], plain(13.0, MUTED), "every estimate is exact");
@@ -49,17 +59,10 @@ pub fn chart(title: &str, result: &TradeResult) -> Svg {
         let end = Type { anchor: "end", ..plain(SMALL, MUTED) };
         svg.text([plot.x + plot.w - 4.0, at - 5.0], end, &label);
     }
-    for sampler in &result.samplers {
-        curve(&mut svg, sampler, &x, &y);
+    for (sampler, style) in result.samplers.iter().zip(styles) {
+        curve(&mut svg, sampler, style, &x, &y);
     }
     svg
-}
-
-fn legend(sampler: &SamplerTrade) -> String {
-    match sampler.scramble {
-        Scramble::None => sampler.name.to_owned(),
-        scramble => format!("{} ({scramble})", sampler.name),
-    }
 }
 
 /// The range with a margin; none for no value.
@@ -84,8 +87,7 @@ fn front(svg: &mut Svg, shown: &[&TradeRow], x: &Axis, y: &Axis) {
     svg.path(&points, Stroke::solid("#d5d5d5", 5.0));
 }
 
-fn curve(svg: &mut Svg, sampler: &SamplerTrade, x: &Axis, y: &Axis) {
-    let style = Style::of_sampler(sampler.name);
+fn curve(svg: &mut Svg, sampler: &SamplerTrade, style: Style, x: &Axis, y: &Axis) {
     let rows: Vec<_> = sampler.rows.iter().filter(|row| row.error.rmse > 0.0).collect();
     let place = |row: &TradeRow| [x.at(row.ns_per_estimate.median), y.at(row.error.rmse)];
     let line: Vec<_> = rows.iter().map(|row| place(row)).collect();
@@ -107,26 +109,28 @@ fn curve(svg: &mut Svg, sampler: &SamplerTrade, x: &Axis, y: &Axis) {
     }
 }
 
-/// A page that carries everything: the sentences, the chart, the tables.
-pub fn page(
+/// A page that carries everything: the sentences, the chart, the tables; `report` if the paper's
+/// page lies beside it.
+pub fn render(
     title: &str,
     chart: &Svg,
     sentences: &[String],
     method: &str,
     tables: &[(String, Vec<Vec<String>>)],
+    report: bool,
 ) -> String {
-    let page = html! {
+    let markup = html! {
         (DOCTYPE)
         html lang="en" {
             head {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
-                title { "Error against time: " (title) }
+                title { (TITLE) ": " (title) }
                 style { (PreEscaped(include_str!("page.css"))) }
             }
             body { main {
                 header {
-                    h1 { "Error against time" }
+                    h1 { (TITLE) }
                     p.lead { (title) }
                 }
                 @for sentence in sentences { p { (sentence) } }
@@ -152,9 +156,12 @@ pub fn page(
                 }
                 h2 { "Method" }
                 p { (method) }
+                @if report {
+                    p { "Beside this page: " a href=(page::NAME) { "the paper's own figures" } "." }
+                }
                 footer { "stratcli " (env!("CARGO_PKG_VERSION")) }
             } }
         }
     };
-    page.into_string()
+    markup.into_string()
 }

@@ -84,6 +84,7 @@ impl PixelBeam {
             Light::Point { .. } => Shading::Point,
         };
         let inverse_root = length_squared.inverse_root();
+        let depth_unit = depth_unit(&facets);
         let mut all_occluders = Vec::new();
         let mut facets32 = Vec::with_capacity(facets.len());
         for (facet, shade) in facets.iter().zip(&shades) {
@@ -91,9 +92,9 @@ impl PixelBeam {
             if shade.is_lit() {
                 occluders(scene, bvh, facet, &centred, &mut all_occluders);
             }
-            let mut out = facet_lanes(facet);
+            let mut out = facet_lanes(facet, depth_unit);
             out.occluders = first..all_occluders.len() as u32;
-            shade.write(shading, ground, &inverse_root, &mut out);
+            shade.write(shading, ground, &inverse_root, depth_unit, &mut out);
             facets32.push(out);
         }
         let mut seen_behind = Facet32 { is_flat: true, ..Facet32::default() };
@@ -320,18 +321,28 @@ fn visible_facets(scene: &Scene, bvh: &Bvh2, centred: &CentredFrame) -> Vec<Face
     });
     facets.retain(|facet| facet.inverse_depth_range()[1] >= horizon * (1.0 - 1e-9));
     let farthest_last = |facet: &Facet| -facet.inverse_depth_range()[1];
-    facets.sort_by(|a, b| farthest_last(a).total_cmp(&farthest_last(b)));
+    // In no way that depends on the tree, whose boxes round with the units of the scene.
+    facets.sort_by(|a, b| {
+        farthest_last(a).total_cmp(&farthest_last(b)).then(a.triangle.cmp(&b.triangle))
+    });
     facets
 }
 
-fn facet_lanes(facet: &Facet) -> Facet32 {
-    let w = &facet.inverse_depth;
+/// The power of two next to the greatest 1/t of the pixel. In units of it f32 holds the cube of
+/// 1/t, whatever the units of the scene; dividing by it changes no bit of a number.
+fn depth_unit(facets: &[Facet]) -> f64 {
+    let greatest = facets.iter().map(|facet| facet.inverse_depth_range()[1]).fold(0.0, f64::max);
+    if greatest > 0.0 && greatest.is_finite() { greatest.log2().floor().exp2() } else { 1.0 }
+}
+
+fn facet_lanes(facet: &Facet, depth_unit: f64) -> Facet32 {
+    let w = &facet.inverse_depth.scaled(depth_unit.recip());
     // Each coefficient rounds by 2^-25 of itself, and the two fused steps once more.
     let w_slack = ((w.c.abs() + w.s.abs() + w.t.abs()) * 2f64.powi(-22)) as f32;
     Facet32 {
         lanes: lanes([facet.edges[0], facet.edges[1], facet.edges[2], *w]),
         w_slack,
-        w_hi: facet.inverse_depth_range()[1] as f32 + 2.0 * w_slack,
+        w_hi: (w.c + w.radius()) as f32 + 2.0 * w_slack,
         rows: [facet.rows[0] as f32 - 1e-6, facet.rows[1] as f32 + 1e-6],
         ..Facet32::default()
     }

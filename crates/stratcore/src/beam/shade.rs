@@ -71,12 +71,14 @@ impl Shade {
         !matches!(self.lit, Lit::Constant(value) if value == 0.0)
     }
 
-    /// Fills the shading fields, relative to the pixel's ground value.
+    /// Fills the shading fields, relative to the pixel's ground value and for inverse depths in
+    /// `depth_unit`s, a power of two.
     pub fn write(
         &self,
         shading: Shading,
         ground: f64,
         inverse_root: &Quadratic,
+        depth_unit: f64,
         out: &mut Facet32,
     ) {
         out.shade[0] = (self.unlit - ground) as f32;
@@ -105,7 +107,7 @@ impl Shade {
                 // In units of its middle value, so that the root and the cube stay in range.
                 let unit = square.c.sqrt();
                 out.to_light = coefficients(&square.scaled(unit.powi(-2)));
-                out.shade_gain[0] = (factor * unit.powi(-3)) as f32;
+                out.shade_gain[0] = (factor * unit.powi(-3) * depth_unit.powi(3)) as f32;
             }
         }
     }

@@ -134,9 +134,9 @@ pub(super) fn between(
     let mut found = Vec::new();
     shaft.visit(bvh, |id| {
         let corners = scene.mesh.corners(id as usize).map(|p| p - eye);
-        // What lies behind the receiver's plane, and not by rounding, shadows nothing on it.
+        // What lies behind the receiver's plane, or in it to rounding, shadows nothing on it.
         let faces = corners.iter().any(|p| {
-            receiver.normal.dot(*p) + receiver.plane_distance > -1e-9 * receiver.plane_distance
+            receiver.normal.dot(*p) + receiver.plane_distance > 1e-10 * receiver.plane_distance
         });
         let touches = || {
             let [lo, hi] = bounds(&corners).map(|p| p.as_vec3a());

@@ -3,6 +3,7 @@
 use super::record_error::{RecordError, RecordFault};
 use super::records::{Header, frame_bytes, header_bytes, read_header, scan};
 use super::set::TileSet;
+use crate::input::refuse_irregular;
 use crate::variance::Moments;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufReader, Read, Seek, SeekFrom, Write};
@@ -44,6 +45,7 @@ impl TileLog {
             .truncate(false)
             .open(path)
             .map_err(write)?;
+        file.metadata().and_then(|found| refuse_irregular(&found)).map_err(read)?;
         let unlocked = match file.try_lock() {
             Ok(()) => false,
             Err(TryLockError::WouldBlock) => return Err(fail(RecordFault::Locked)),

@@ -11,9 +11,9 @@ use super::digest::Digest;
 use super::plan::Identity;
 use super::record_error::{RecordError, RecordFault};
 use super::set::TileSet;
+use crate::input;
 use crate::variance::Moments;
 use serde::{Deserialize, Serialize};
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
@@ -56,7 +56,7 @@ impl Header {
     /// # Errors
     /// The file is there but cannot be read, or holds no tiles.
     pub fn read_file(path: &Path) -> Result<Option<Self>, RecordError> {
-        match File::open(path) {
+        match input::open(path) {
             Ok(file) => {
                 read_header(&mut BufReader::new(file)).map(Some).map_err(|fault| fault.of(path))
             }
@@ -86,7 +86,9 @@ pub(super) fn read_header(file: &mut impl BufRead) -> Result<Header, RecordFault
     }
     let json = line(LONGEST)?;
     let header: Header = serde_json::from_slice(&json).map_err(|_| RecordFault::NotTiles)?;
-    if header.plan.hash() != header.hash || !header.plan.is_sound() {
+    let Shard { index, of } = header.shard;
+    let is_sound = header.plan.is_sound() && Shard::new(index, of).is_ok();
+    if header.plan.hash() != header.hash || !is_sound {
         return Err(RecordFault::NotTiles);
     }
     Ok(header)
@@ -150,9 +152,9 @@ pub(super) fn read_frame(
     let Some(tile) = usize::try_from(index).ok().filter(|tile| *tile < tiling.n_tiles()) else {
         return Ok(None);
     };
-    let n_rows = (tiling.tile(tile).n_pixels() as usize).saturating_mul(plan.rows_per_pixel());
-    // A plan may promise more than the file holds: no room is made before there are bytes.
-    let len = ROW_BYTES.saturating_mul(n_rows).saturating_add(16);
+    let n_rows = tiling.tile(tile).n_pixels() as usize * plan.rows_per_pixel();
+    // Memory follows what the file holds, not what its plan promises.
+    let len = ROW_BYTES * n_rows + 16;
     let mut bytes = Vec::with_capacity(len.min(1 << 20));
     if file.take(len as u64).read_to_end(&mut bytes)? < len {
         return Ok(None);

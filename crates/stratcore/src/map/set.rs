@@ -4,10 +4,10 @@ use super::cost::Shard;
 use super::plan::Identity;
 use super::record_error::{RecordError, RecordFault};
 use super::records::{Header, Scan, read_frame, read_header, scan};
+use crate::input;
 use crate::study::collect;
 use crate::variance::Moments;
 use std::collections::{BTreeMap, HashSet};
-use std::fs::File;
 use std::io::{self, BufReader, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
@@ -32,7 +32,7 @@ impl TileSet {
     pub fn merge(paths: &[PathBuf]) -> Result<Self, RecordError> {
         let scan_file = |path: &PathBuf| -> Result<(Header, Scan), RecordError> {
             let fail = |fault: RecordFault| fault.of(path);
-            let file = File::open(path).map_err(|e| fail(RecordFault::Read(e)))?;
+            let file = input::open(path).map_err(|e| fail(RecordFault::Read(e)))?;
             let mut file = BufReader::new(file);
             let header = read_header(&mut file).map_err(fail)?;
             let scan = scan(&mut file, &header.plan).map_err(|e| fail(RecordFault::Read(e)))?;
@@ -126,7 +126,7 @@ impl TileSet {
         };
         let path = &self.files[number as usize];
         let frame = || -> io::Result<Option<Vec<Moments>>> {
-            let mut file = File::open(path)?;
+            let mut file = input::open(path)?;
             file.seek(SeekFrom::Start(at))?;
             Ok(read_frame(&mut file, &self.plan)?.map(|(_, rows)| rows))
         };

@@ -27,6 +27,8 @@ impl Distribution {
     pub const MAX_SPECULAR_DEPTH: u32 = 8;
     /// The most diffuse reflections that are followed.
     pub const MAX_BOUNCES: u32 = 8;
+    /// The most area lights.
+    pub const MAX_LIGHTS: usize = 256;
 
     /// Whether the pixel's square is all there is to integrate over.
     pub fn is_plain(&self) -> bool {

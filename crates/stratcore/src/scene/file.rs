@@ -2,13 +2,16 @@
 
 use super::library::{self, Model, SCENES};
 use super::light_table::{LightTables, Lights};
-use super::obj::{self, read_text, shown};
+use super::obj;
+use super::text::{document, shown};
 use super::{
     Aperture, AreaLight, Camera, Distribution, Filter, FilterMethod, FilterShape, Lens, Light,
     LightShape, MAX_COORDINATE, Motion, Rgb, Scene, SceneError,
 };
+use crate::input::{self, Open};
 use glam::DVec3;
 use serde::Deserialize;
+use std::cell::RefCell;
 use std::collections::HashSet;
 use std::path::Path;
 
@@ -19,26 +22,45 @@ use std::path::Path;
 /// # Errors
 /// [`SceneError`] names the file, what is wrong with it, and the way out.
 pub fn load(spec: &str) -> Result<Scene, SceneError> {
-    if let Some(scene) = SCENES.iter().find(|scene| scene.name == spec) {
-        return from_toml(scene.name, scene.toml, Path::new(spec));
-    }
+    load_from(spec, &input::from_disk)
+}
+
+/// The same with files that `open` gives.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_from(spec: &str, open: Open<'_>) -> Result<Scene, SceneError> {
+    let files = RefCell::new(Vec::<String>::new());
+    let open: Open<'_> = &|path: &Path| {
+        let opened = open(path)?;
+        let (mut files, name) = (files.borrow_mut(), shown(path));
+        if !files.contains(&name) {
+            files.push(name);
+        }
+        Ok(opened)
+    };
+    let scene = read(spec, open)?;
+    Ok(Scene { files: files.take(), ..scene })
+}
+
+fn read(spec: &str, open: Open<'_>) -> Result<Scene, SceneError> {
     let path = Path::new(spec);
+    if let Some(scene) = SCENES.iter().find(|scene| scene.name == spec) {
+        return from_toml(scene.name, scene.toml, path, open);
+    }
     let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    let mut scene = match path.extension().map(|e| e.to_string_lossy().to_lowercase()).as_deref() {
-        Some("toml") => from_toml(&name, &read_text(path)?, path).map(|mut scene| {
-            scene.files.insert(0, shown(path));
-            scene
-        }),
-        Some("obj") => from_obj(&name, path),
+    match path.extension().map(|e| e.to_string_lossy().to_lowercase()).as_deref() {
+        Some("toml") => from_toml(&name, &document(open, path)?, path, open),
+        Some("obj") => from_obj(&name, path, open),
         _ => {
             let known = SCENES.iter().map(|s| s.name).collect::<Vec<_>>().join(", ");
             Err(SceneError::UnknownScene { name: spec.to_owned(), known })
         }
-    }?;
-    let mut seen = HashSet::new();
-    scene.files.retain(|file| seen.insert(file.clone()));
-    Ok(scene)
+    }
 }
+
+/// Most meshes of a scene.
+const MAX_MESHES: usize = 1000;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -130,7 +152,7 @@ struct PathsTable {
     bounces: u32,
 }
 
-fn from_toml(name: &str, text: &str, path: &Path) -> Result<Scene, SceneError> {
+fn from_toml(name: &str, text: &str, path: &Path, open: Open<'_>) -> Result<Scene, SceneError> {
     let file: SceneFile = toml::from_str(text).map_err(|e| {
         let start = e.span().map_or(0, |span| span.start);
         let line = 1 + text.bytes().take(start).filter(|b| *b == b'\n').count();
@@ -144,8 +166,9 @@ fn from_toml(name: &str, text: &str, path: &Path) -> Result<Scene, SceneError> {
     let mut notes = Vec::new();
     let mut model = Model::default();
     let mut moved = Vec::new();
+    check_meshes(path, &file.mesh)?;
     for table in &file.mesh {
-        let part = table.read(path, file.shading == Shading::Smooth, &mut notes)?;
+        let part = table.read(path, open, file.shading == Shading::Smooth, &mut notes)?;
         let fits = |a: usize, b: usize| u32::try_from(a + b).is_ok();
         if !fits(model.mesh.positions.len(), part.mesh.positions.len())
             || !fits(model.mesh.triangles.len(), part.mesh.triangles.len())
@@ -172,7 +195,7 @@ fn from_toml(name: &str, text: &str, path: &Path) -> Result<Scene, SceneError> {
     };
     file.paths.check(path)?;
     let filter = file.filter.map(|table| table.read(path)).transpose()?;
-    let Model { mesh, materials, files } = model;
+    let Model { mesh, materials } = model;
     let name = name.to_owned();
     Ok(Scene {
         name,
@@ -184,9 +207,30 @@ fn from_toml(name: &str, text: &str, path: &Path) -> Result<Scene, SceneError> {
         filter,
         ambient,
         background,
-        files,
+        files: Vec::new(),
         notes,
     })
+}
+
+/// A few lines must not ask for triangles without end.
+fn check_meshes(file: &Path, tables: &[MeshTable]) -> Result<(), SceneError> {
+    let fault = |fault: String| Err(SceneError::Feature { path: shown(file), fault });
+    if tables.len() > MAX_MESHES {
+        return fault(format!(
+            "there are {} meshes; a scene has at most {MAX_MESHES}: join some in one OBJ",
+            tables.len()
+        ));
+    }
+    let mut seen = HashSet::new();
+    match tables.iter().find(|table| !seen.insert((&table.path, &table.builtin))) {
+        Some(MeshTable { path, builtin, .. }) if path.is_some() != builtin.is_some() => {
+            let name = path.as_ref().or(builtin.as_ref()).map_or("", String::as_str);
+            fault(format!(
+                "the mesh \"{name}\" stands there twice, in the same place; name it once"
+            ))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// A mesh light is sampled where it was loaded.
@@ -289,11 +333,14 @@ impl MeshTable {
     fn read(
         &self,
         file: &Path,
+        open: Open<'_>,
         smooth: bool,
         notes: &mut Vec<String>,
     ) -> Result<Model, SceneError> {
         let fault = match (&self.path, &self.builtin) {
-            (Some(path), None) => return obj::read(&file.with_file_name(path), smooth, notes),
+            (Some(path), None) => {
+                return obj::read(open, &file.with_file_name(path), smooth, notes);
+            }
             (None, Some(name)) => match library::model(name) {
                 Some(mut model) => {
                     if !smooth {
@@ -331,11 +378,11 @@ pub(super) fn vector(
     value_if_sound.ok_or(SceneError::Value { path, name, value, wanted })
 }
 
-fn from_obj(name: &str, path: &Path) -> Result<Scene, SceneError> {
+fn from_obj(name: &str, path: &Path, open: Open<'_>) -> Result<Scene, SceneError> {
     let mut notes = Vec::new();
-    let model = obj::read(path, false, &mut notes)?;
+    let model = obj::read(open, path, false, &mut notes)?;
     note_degenerate(&model, &mut notes);
-    let Model { mesh, materials, files } = model;
+    let Model { mesh, materials } = model;
     let camera = framing(&mesh.positions);
     camera.check().map_err(|fault| SceneError::Camera { path: shown(path), fault })?;
     Ok(Scene {
@@ -348,7 +395,7 @@ fn from_obj(name: &str, path: &Path) -> Result<Scene, SceneError> {
         filter: None,
         ambient: [0.0; 3],
         background: [0.0; 3],
-        files,
+        files: Vec::new(),
         notes,
     })
 }

@@ -10,12 +10,13 @@ mod light_table;
 mod obj;
 #[cfg(test)]
 mod tests;
+mod text;
 
 pub use camera::{Camera, CameraFault, PixelFrame};
 pub use distribution::{Aperture, AreaLight, Distribution, Lens, LightShape, Motion};
 pub(crate) use distribution::{SHORT_OF_THE_LIGHT, around, disk};
 pub use error::SceneError;
-pub use file::load;
+pub use file::{load, load_from};
 pub use filter::{Filter, FilterMethod, FilterShape};
 
 use glam::DVec3;

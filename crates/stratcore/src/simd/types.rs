@@ -17,7 +17,7 @@ pub(crate) struct Lanes4 {
 /// A facet for the kernels.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Facet32 {
-    /// Three edges, inside where none is negative; 1/t.
+    /// Three edges, inside where none is negative; 1/t in a unit that the pixel chooses.
     pub lanes: Lanes4,
     /// Rounding of 1/t anywhere in the pixel.
     pub w_slack: f32,

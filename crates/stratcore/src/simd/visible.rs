@@ -33,8 +33,10 @@ pub(super) fn visible<S: Shader, V: Vector>(
         }
         let facet = &pixel.facets[entry.facet as usize];
         let margin = least_of_three(&facet.lanes, s, t);
-        let inside = margin.ge(zero);
-        doubt = V::mask_or(doubt, margin.abs().le(limit));
+        // What is hidden raises no doubt: whether a lane is settled again is its own sample's
+        // matter, not that of the lanes beside it, which differ with the instruction set.
+        let inside = V::mask_without(margin.ge(zero), hidden);
+        doubt = V::mask_or(doubt, V::mask_without(margin.abs().le(limit), hidden));
         if V::mask_bits(inside) == 0 {
             continue;
         }
@@ -48,7 +50,7 @@ pub(super) fn visible<S: Shader, V: Vector>(
                 let occluder = &pixel.occluders[id as usize];
                 let margin = least_of_three(occluder, s, t).min(affine(occluder, 3, s, t));
                 lit = V::mask_without(lit, margin.ge(zero));
-                doubt = V::mask_or(doubt, margin.abs().le(limit));
+                doubt = V::mask_or(doubt, V::mask_and(inside, margin.abs().le(limit)));
             }
         }
         let shade = S::shade(&pixel.ground, facet, s, t, w, lit);

@@ -4,7 +4,7 @@ use super::{Control, SamplerChoice};
 use crate::error::StudyError;
 use crate::integrand::Integrand;
 use crate::rng::StreamKey;
-use crate::sampler::{self, CountPolicy, PointSet, whole_set};
+use crate::sampler::{self, CountPolicy, PointSet, most_trials_but_for_shifts, whole_set};
 use crate::scene::Channel;
 use crate::spectrum::{Spectrum, of_picture, of_points};
 use crate::trace::TracedScene;
@@ -16,9 +16,9 @@ use std::sync::atomic::Ordering;
 const BATCH: u32 = 16;
 
 /// The mean periodogram of trials 0 .. M of a point set: at most as many as there are different
-/// sets. `axes` are two of the set's dimensions. `set` is as a sampler's
-/// [`points`](sampler::Sampler::points) takes it; its trial is ignored. Progress is counted in
-/// points.
+/// ones, and a torus shift changes none. `axes` are two of the set's dimensions. `set` is as a
+/// sampler's [`points`](sampler::Sampler::points) takes it; its trial is ignored. Progress is
+/// counted in points. `each` is handed the mean so far, which is that of as many trials.
 ///
 /// # Errors
 /// [`StudyError::EmptyPlan`] for no trials; those of [`whole_set`]; [`StudyError::Cancelled`].
@@ -29,8 +29,10 @@ pub fn point_spectrum(
     cutoff: u32,
     n_trials: u32,
     control: Control<'_>,
+    each: &mut dyn FnMut(&Spectrum),
 ) -> Result<Spectrum, StudyError> {
-    let n_trials = n_trials.min(sampler.most_trials(set.key.n_samples, set.scramble));
+    let different = most_trials_but_for_shifts(sampler, set.key.n_samples, set.scramble);
+    let n_trials = n_trials.min(different);
     let periodogram = |trial| {
         if control.cancel.load(Ordering::Relaxed) {
             return Err(StudyError::Cancelled);
@@ -45,6 +47,9 @@ pub fn point_spectrum(
         let batch = first..n_trials.min(first.saturating_add(BATCH));
         let spectra: Vec<_> = batch.into_par_iter().map(periodogram).collect::<Result<_, _>>()?;
         mean = Spectrum::mean(mean.into_iter().chain(spectra));
+        if let Some(so_far) = &mean {
+            each(so_far);
+        }
     }
     mean.ok_or(StudyError::EmptyPlan("trials"))
 }
@@ -199,9 +204,14 @@ mod tests {
             rectangular: false,
         };
         let points = |threads| {
-            let run =
-                || point_spectrum(&sampler::Random, &set, [2, 1], 5, 37, Control::unwatched());
-            with_threads(Some(threads), run).unwrap()
+            let mut trials = Vec::new();
+            let spectrum = with_threads(Some(threads), || {
+                let mut each = |so_far: &Spectrum| trials.push(so_far.periodograms());
+                let control = Control::unwatched();
+                point_spectrum(&sampler::Random, &set, [2, 1], 5, 37, control, &mut each)
+            });
+            assert_eq!(trials, [16, 32, 37]);
+            spectrum.unwrap()
         };
         let bits = |s: Spectrum| s.power().iter().map(|p| p.to_bits()).collect::<Vec<_>>();
         assert_eq!(points(1).periodograms(), 37);

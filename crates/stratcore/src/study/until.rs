@@ -1,6 +1,6 @@
 //! Stop when sure: trials are added until an interval is as narrow as asked for.
 
-use super::{Control, StudyPlan, StudyResult, study_live};
+use super::{Control, SamplerResult, StudyPlan, StudyResult, study_live};
 use crate::error::StudyError;
 use crate::fit::{Fit, Z95};
 use crate::integrand::Integrand;
@@ -53,6 +53,8 @@ pub struct EarlyFit {
     pub scramble: Scramble,
     /// The weighted fit; none for an exact integrand.
     pub fit: Option<Fit>,
+    /// The half-width that was to become narrow; none where there is no interval.
+    pub half_width: Option<f64>,
 }
 
 /// Fewer trials never stop a study: the kurtosis that intervals rest on is not known before.
@@ -88,7 +90,7 @@ pub fn study_until(
     let ended = study_live(integrand, pixel, plan, control, &mut |so_far| {
         each(&so_far);
         if so_far.trials == MIN_TRIALS {
-            after_50_trials = so_far.samplers.iter().map(EarlyFit::of).collect();
+            after_50_trials = so_far.samplers.iter().map(|s| EarlyFit::of(s, until)).collect();
         }
         let narrow = so_far.trials >= MIN_TRIALS && until.holds(&so_far);
         sure = narrow && narrow_before;
@@ -108,26 +110,31 @@ pub fn study_until(
 }
 
 impl EarlyFit {
-    fn of(sampler: &super::SamplerResult) -> Self {
-        Self { name: sampler.name, scramble: sampler.scramble, fit: sampler.fit }
+    fn of(sampler: &SamplerResult, until: Tightness) -> Self {
+        let SamplerResult { name, scramble, fit, .. } = *sampler;
+        Self { name, scramble, fit, half_width: until.half_width(sampler) }
     }
 }
 
 impl Tightness {
-    /// The widest half-width of the samplers; none where there is no interval at all.
-    fn widest(self, result: &StudyResult) -> Option<f64> {
-        let widths = result.samplers.iter().filter_map(|sampler| match self {
+    /// The widest half-width of a sampler's intervals; none where it has no interval at all.
+    fn half_width(self, sampler: &SamplerResult) -> Option<f64> {
+        match self {
             Self::Exponent(_) => sampler.fit.map(|fit| Z95 * fit.std_error),
-            Self::Variance(_) => sampler
-                .rows
-                .iter()
-                .filter(|row| row.variance_of_mean > 0.0)
-                .map(|row| {
+            Self::Variance(_) => {
+                let varying = sampler.rows.iter().filter(|row| row.variance_of_mean > 0.0);
+                let widths = varying.map(|row| {
                     let [lo, hi] = row.ci95();
                     0.5 * (hi - lo) / row.variance_of_mean
-                })
-                .max_by(f64::total_cmp),
-        });
+                });
+                widths.max_by(f64::total_cmp)
+            }
+        }
+    }
+
+    /// The widest half-width of all samplers.
+    fn widest(self, result: &StudyResult) -> Option<f64> {
+        let widths = result.samplers.iter().filter_map(|sampler| self.half_width(sampler));
         widths.max_by(f64::total_cmp)
     }
 
@@ -164,6 +171,9 @@ mod tests {
         let at_50 = study(&*f, [0, 0], &plan(50), Control::unwatched()).unwrap();
         let fits: Vec<_> = stop.after_50_trials.iter().map(|early| early.fit).collect();
         assert_eq!(fits, at_50.samplers.iter().map(|s| s.fit).collect::<Vec<_>>());
+        for early in &stop.after_50_trials {
+            assert_eq!(early.half_width, early.fit.map(|fit| Z95 * fit.std_error));
+        }
     }
 
     #[test]

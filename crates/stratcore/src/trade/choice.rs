@@ -121,11 +121,12 @@ fn reach(curve: &SamplerTrade, error: f64, admitted: &dyn Fn(u64) -> Option<u64>
         Some(i) => (Some(upper[i].0), false),
         None => (n_hi.and_then(|n| admitted(n.ceil() as u64)), true),
     };
+    // The row at N, or the last one before it.
+    let at = |n: u64| curve.rows.iter().rev().find(|row| row.error.n <= n);
     let ns = n_safe.and_then(|n| {
-        let row = curve.rows.iter().rev().find(|row| row.error.n <= n)?;
+        let row = at(n)?;
         Some(row.ns_per_estimate.map(|ns| ns / row.error.n as f64 * n as f64))
     });
-    let at = |n: u64| curve.rows.iter().rev().find(|row| row.error.n <= n);
     Reach {
         name: curve.name,
         scramble: curve.scramble,
@@ -179,7 +180,12 @@ fn crossing(points: &[(u64, f64)], error: f64) -> Option<f64> {
 }
 
 /// The smallest count at or above `n` that the sampler can make.
-fn next_admitted(sampler: &dyn Sampler, n: u64, dim: usize, rectangular: bool) -> Option<u64> {
+pub(super) fn next_admitted(
+    sampler: &dyn Sampler,
+    n: u64,
+    dim: usize,
+    rectangular: bool,
+) -> Option<u64> {
     if sampler.admits(n, dim, rectangular) { Some(n) } else { sampler.neighbours(n, dim).1 }
 }
 

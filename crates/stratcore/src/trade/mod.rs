@@ -12,7 +12,7 @@ mod timing;
 
 pub use choice::{Choice, Confirmation, Fastest, Reach};
 pub use error_curve::ErrorRow;
-pub use timing::{Quartiles, RowTime};
+pub use timing::{Quartiles, RowTime, Timing};
 
 use crate::error::StudyError;
 use crate::integrand::{Integrand, Reference};
@@ -80,12 +80,21 @@ pub struct TradeResult {
     pub reference: Reference,
     /// Nanoseconds of one evaluation where they were given, not measured.
     pub eval_cost: Option<f64>,
-    /// The smallest step that the clock was seen to make, in nanoseconds.
-    pub clock_step: f64,
+    /// How times were measured.
+    pub timing: Timing,
     /// One per sampler of the plan.
     pub samplers: Vec<SamplerTrade>,
     /// One per target of the plan.
     pub choices: Vec<Choice>,
+}
+
+impl TradeResult {
+    /// The ways to another error, by what was measured under `study`; not tried with fresh
+    /// randomness.
+    pub fn ways_to(&self, target: Target, study: &StudyPlan) -> Choice {
+        let error = target.absolute(self.reference.mean);
+        choice::choose(target, error, &self.samplers, study, self.dim)
+    }
 }
 
 /// One sampler's curve of error against time.
@@ -141,7 +150,7 @@ pub fn trade(
         .map(|subject| study(subject.integrand, subject.pixel, &plan.study, control))
         .collect::<Result<_, _>>()?;
     let errors = error_curve::error_curves(&studies, &references);
-    let (times, clock_step) = timing::measure(subjects, &plan.study, &counts, clock, control)?;
+    let (times, timing) = timing::measure(subjects, &plan.study, &counts, clock, control)?;
     let mut samplers: Vec<SamplerTrade> = Vec::new();
     for ((choice, errors), times) in plan.study.samplers.iter().zip(errors).zip(times) {
         let rows = errors.into_iter().zip(times).map(|(error, time)| row(error, time, plan));
@@ -170,7 +179,7 @@ pub fn trade(
         trials: plan.study.n_trials,
         reference: mean,
         eval_cost: plan.eval_cost,
-        clock_step,
+        timing,
         samplers,
         choices,
     })

@@ -4,9 +4,11 @@
 //! Sloan 1989), answered here from measured curves and not from a single pass: each pixel's
 //! variance against N is measured, and N is read off where it meets the target.
 
+use super::choice::next_admitted;
 use super::{Subject, Target, mean_square_error, means_of, measured_reference};
 use crate::error::StudyError;
-use crate::sampler::CountPolicy;
+use crate::integrand::Integrand;
+use crate::sampler::{CountPolicy, Scramble, count_used};
 use crate::scene::Channel;
 use crate::study::{Control, SamplerChoice, SamplerResult, StudyPlan, study};
 use crate::trace::TracedScene;
@@ -14,14 +16,12 @@ use crate::variance::{Moments, neumaier_sum};
 use rayon::prelude::*;
 use serde::Serialize;
 
-/// What the map is made of.
+/// What the maps are made of.
 #[derive(Clone)]
 pub struct NeededPlan {
-    /// The sampler whose N is wanted.
-    pub sampler: SamplerChoice,
     /// RMS error that each pixel is to have.
     pub target: Target,
-    /// Counts, trials and seed of the measurement.
+    /// Samplers whose N is wanted; counts, trials and seed of the measurement.
     pub study: StudyPlan,
     /// No pixel is given more samples than this.
     pub most: u64,
@@ -45,7 +45,7 @@ pub enum Need {
     Rare,
 }
 
-/// The map, and the proof of it.
+/// One map per sampler, each with its proof.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Needed {
     /// Pixels in a row, and rows.
@@ -54,6 +54,21 @@ pub struct Needed {
     pub mean_radiance: f64,
     /// RMS error that each pixel is to have, in radiance.
     pub error: f64,
+    /// Seed of the proof's randomness.
+    pub proof_seed: u64,
+    /// Estimates of each pixel in the proof.
+    pub proof_trials: u32,
+    /// In the order of the plan's samplers.
+    pub maps: Vec<NeedMap>,
+}
+
+/// The samples that pixels need under one sampler, and whether they do it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct NeedMap {
+    /// Sampler's name.
+    pub sampler: &'static str,
+    /// Its scramble.
+    pub scramble: Scramble,
     /// Per pixel, row by row.
     #[serde(skip)]
     pub pixels: Vec<PixelNeed>,
@@ -65,13 +80,9 @@ pub struct Needed {
     pub uniform_spp_for_all: u64,
     /// How many pixels are of each kind.
     pub kinds: Vec<(Need, u64)>,
-    /// The most samples that a feature can have hidden from in an exact pixel, as a share of
-    /// its area, at 95 %: 3 over the samples of the measurement.
+    /// The largest share of its area that a feature can have that an exact pixel hides from all
+    /// samples of the measurement, at 95 %: 3 over their number.
     pub unseen_share: f64,
-    /// Seed of the proof's randomness.
-    pub proof_seed: u64,
-    /// Estimates of each pixel in the proof.
-    pub proof_trials: u32,
     /// Errors with the map's N.
     pub adaptive: Flatness,
     /// Errors with the uniform N.
@@ -106,11 +117,12 @@ pub struct Flatness {
 /// Fresh estimates of each pixel: an RMS error is then known to 9 %.
 const PROOF_TRIALS: u32 = 64;
 
-/// Measures every pixel's need, then renders with that map and with uniform spp, and measures
-/// the errors of both.
+/// Measures every pixel's need under each sampler, then renders with that map and with uniform
+/// spp, and measures the errors of both. `control.progress` is told of each pixel twice for each
+/// sampler: measured, and proved.
 ///
 /// # Errors
-/// As [`study`].
+/// As [`study`]; [`StudyError::EmptyPlan`] where there is nothing to be measured.
 pub fn needed(
     scene: &TracedScene,
     channel: Channel,
@@ -119,69 +131,117 @@ pub fn needed(
 ) -> Result<Needed, StudyError> {
     let [width, height] = scene.scene().camera.resolution;
     let pixels: Vec<[u32; 2]> = (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).collect();
-    let of_one = StudyPlan { samplers: vec![plan.sampler], ..plan.study.clone() };
-    let dim = 2;
-    let curves: Vec<SamplerResult> = pixels
+    let largest = *plan.study.counts.iter().max().ok_or(StudyError::EmptyPlan("counts"))?;
+    let silent = Control { progress: &|_| (), ..control };
+    let means: Vec<f64> = pixels
         .par_iter()
         .map(|&pixel| {
             let integrand = scene.pixel(pixel, channel);
-            Ok(study(&integrand, pixel, &of_one, control)?.samplers.remove(0))
-        })
-        .collect::<Result<_, StudyError>>()?;
-    let largest_row = |curve: &SamplerResult| curve.rows.last().map_or(0.0, |r| r.grand_mean);
-    let mean_radiance = neumaier_sum(curves.iter().map(largest_row)) / pixels.len() as f64;
-    let error = plan.target.absolute(mean_radiance);
-    let admitted = |n: u64| {
-        let rectangular = plan.study.count_policy == CountPolicy::Rect;
-        let sampler = plan.sampler.sampler;
-        if sampler.admits(n, dim, rectangular) {
-            n
-        } else {
-            sampler.neighbours(n, dim).1.unwrap_or(n)
-        }
-    };
-    let needs: Vec<(u64, Need)> =
-        curves.iter().map(|curve| need(curve, error, plan.most, &admitted)).collect();
-    let total: u64 = needs.iter().map(|(n, _)| n).sum();
-    let uniform_spp = nearest_admitted(plan, total as f64 / pixels.len() as f64, dim);
-    let proof_seed = plan.study.seed.wrapping_add(1);
-    let proof = StudyPlan { seed: proof_seed, n_trials: PROOF_TRIALS, ..of_one };
-    let measured: Vec<PixelNeed> = pixels
-        .par_iter()
-        .zip(&needs)
-        .map(|(&pixel, &(n, need))| {
-            let integrand = scene.pixel(pixel, channel);
             let subject = Subject { pixel, integrand: &integrand };
-            // 64 estimates as good as those that are judged: an error of 1/8 of theirs, which is
-            // taken off again.
-            let wanted = n.max(uniform_spp);
-            let seed = proof_seed.wrapping_add(1);
-            let reference = measured_reference(&subject, wanted, seed, control)?;
-            let rmse = |n| {
-                let means = means_of(&subject, plan.sampler, &proof, n, control)?;
-                Ok::<_, StudyError>(mean_square_error(&Moments::of(&means), &reference).sqrt())
-            };
-            Ok(PixelNeed { n, need, rmse: rmse(n)?, rmse_uniform: rmse(uniform_spp)? })
+            Ok(measured_reference(&subject, largest, plan.study.seed, silent)?.mean)
         })
         .collect::<Result<_, StudyError>>()?;
-    let kinds = [Need::Measured, Need::Extrapolated, Need::Capped, Need::Exact, Need::Rare]
-        .map(|kind| (kind, needs.iter().filter(|(_, need)| *need == kind).count() as u64));
-    let per_pixel: u64 = plan.study.counts.iter().sum::<u64>() * u64::from(plan.study.n_trials);
+    let mean_radiance = neumaier_sum(means) / pixels.len() as f64;
+    let error = plan.target.absolute(mean_radiance);
+    let proof_seed = plan.study.seed.wrapping_add(1);
+    let map = |&sampler: &SamplerChoice| {
+        let study = StudyPlan { samplers: vec![sampler], ..plan.study.clone() };
+        let job = Job { scene, channel, pixels: &pixels, error, most: plan.most, study };
+        job.map(
+            StudyPlan { seed: proof_seed, n_trials: PROOF_TRIALS, ..job.study.clone() },
+            control,
+        )
+    };
     Ok(Needed {
         size: [width, height],
         mean_radiance,
         error,
-        total,
-        uniform_spp,
-        uniform_spp_for_all: needs.iter().map(|(n, _)| *n).max().unwrap_or(1),
-        kinds: kinds.to_vec(),
-        unseen_share: 3.0 / per_pixel as f64,
         proof_seed,
         proof_trials: PROOF_TRIALS,
-        adaptive: Flatness::of(&measured, error, |pixel| pixel.rmse),
-        uniform: Flatness::of(&measured, error, |pixel| pixel.rmse_uniform),
-        pixels: measured,
+        maps: plan.study.samplers.iter().map(map).collect::<Result<_, _>>()?,
     })
+}
+
+/// One sampler's map to be made.
+struct Job<'a> {
+    scene: &'a TracedScene,
+    channel: Channel,
+    pixels: &'a [[u32; 2]],
+    error: f64,
+    most: u64,
+    /// Of one sampler.
+    study: StudyPlan,
+}
+
+impl Job<'_> {
+    fn sampler(&self) -> SamplerChoice {
+        self.study.samplers[0]
+    }
+
+    /// `proof` is the plan of the fresh estimates.
+    fn map(&self, proof: StudyPlan, control: Control<'_>) -> Result<NeedMap, StudyError> {
+        let Some(&first) = self.pixels.first() else { return Err(StudyError::EmptyPlan("pixels")) };
+        let dim = self.scene.pixel(first, self.channel).dim();
+        let (counts, choice) = (self.study.counts_used(dim)?, self.sampler());
+        let rectangular = self.study.count_policy == CountPolicy::Rect;
+        let admitted = |n: u64| next_admitted(choice.sampler, n, dim, rectangular).unwrap_or(n);
+        let most = match choice.sampler.admits(self.most, dim, rectangular) {
+            true => self.most,
+            false => choice.sampler.neighbours(self.most, dim).0.unwrap_or(self.most),
+        };
+        let silent = Control { progress: &|_| (), ..control };
+        let needs: Vec<(u64, Need)> = self
+            .pixels
+            .par_iter()
+            .map(|&pixel| {
+                let integrand = self.scene.pixel(pixel, self.channel);
+                let curve = study(&integrand, pixel, &self.study, silent)?.samplers.remove(0);
+                (control.progress)(1);
+                Ok(need(&curve, self.error, most, &admitted))
+            })
+            .collect::<Result<_, StudyError>>()?;
+        let total: u64 = needs.iter().map(|(n, _)| n).sum();
+        let mean_n = (total as f64 / self.pixels.len() as f64).round().max(1.0) as u64;
+        let uniform_spp =
+            count_used(choice.sampler, mean_n, dim, CountPolicy::Snap).unwrap_or(mean_n);
+        let pixels: Vec<PixelNeed> = self
+            .pixels
+            .par_iter()
+            .zip(&needs)
+            .map(|(&pixel, &(n, need))| {
+                let integrand = self.scene.pixel(pixel, self.channel);
+                let subject = Subject { pixel, integrand: &integrand };
+                // 64 estimates as good as those that are judged: an error of 1/8 of theirs, which
+                // is taken off again.
+                let wanted = n.max(uniform_spp);
+                let seed = proof.seed.wrapping_add(1);
+                let reference = measured_reference(&subject, wanted, seed, silent)?;
+                let rmse = |n| {
+                    let means = means_of(&subject, choice, &proof, n, silent)?;
+                    Ok::<_, StudyError>(mean_square_error(&Moments::of(&means), &reference).sqrt())
+                };
+                let measured =
+                    PixelNeed { n, need, rmse: rmse(n)?, rmse_uniform: rmse(uniform_spp)? };
+                (control.progress)(1);
+                Ok(measured)
+            })
+            .collect::<Result<_, StudyError>>()?;
+        let kinds = [Need::Measured, Need::Extrapolated, Need::Capped, Need::Exact, Need::Rare]
+            .map(|kind| (kind, needs.iter().filter(|(_, need)| *need == kind).count() as u64));
+        let per_pixel = counts[0].iter().sum::<u64>() * u64::from(self.study.n_trials);
+        Ok(NeedMap {
+            sampler: choice.sampler.name(),
+            scramble: choice.scramble,
+            total,
+            uniform_spp,
+            uniform_spp_for_all: needs.iter().map(|(n, _)| *n).max().unwrap_or(1),
+            kinds: kinds.to_vec(),
+            unseen_share: 3.0 / per_pixel as f64,
+            adaptive: Flatness::of(&pixels, self.error, |pixel| pixel.rmse),
+            uniform: Flatness::of(&pixels, self.error, |pixel| pixel.rmse_uniform),
+            pixels,
+        })
+    }
 }
 
 /// N of one pixel. Its fit is used where one slope describes the rows, two terms where they do
@@ -243,12 +303,6 @@ fn need(
         () => Need::Measured,
     };
     (admitted(n.ceil().max(1.0) as u64).min(most), need)
-}
-
-/// The N that exists nearest to a mean that may not.
-fn nearest_admitted(plan: &NeededPlan, mean: f64, dim: usize) -> u64 {
-    let n = mean.round().max(1.0) as u64;
-    crate::sampler::count_used(plan.sampler.sampler, n, dim, CountPolicy::Snap).unwrap_or(n)
 }
 
 impl Flatness {

@@ -61,6 +61,18 @@ const AT_LEAST: Duration = Duration::from_micros(200);
 /// Subjects that time is measured on, evenly chosen.
 const SUBJECTS: usize = 16;
 
+/// How times were measured.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Timing {
+    /// The smallest step that the clock was seen to make, in nanoseconds.
+    pub clock_step: f64,
+    /// A row is warmed up until one measurement of it lasts so many nanoseconds, or is of 65,536
+    /// trials.
+    pub at_least: f64,
+    /// Measurements of each row after that.
+    pub rounds: usize,
+}
+
 /// One thing to be timed.
 struct Job {
     choice: SamplerChoice,
@@ -74,14 +86,14 @@ struct Job {
 
 type Clock<'a> = &'a (dyn Fn() -> Duration + Sync);
 
-/// Times per sampler and count, and the clock's step in nanoseconds.
+/// Times per sampler and count, and how they were measured.
 pub(super) fn measure(
     subjects: &[Subject<'_>],
     plan: &StudyPlan,
     counts: &[Vec<u64>],
     clock: Clock<'_>,
     control: Control<'_>,
-) -> Result<(Vec<Vec<RowTime>>, f64), StudyError> {
+) -> Result<(Vec<Vec<RowTime>>, Timing), StudyError> {
     let every = subjects.len().div_ceil(SUBJECTS);
     let subjects: Vec<_> = subjects.iter().step_by(every).copied().collect();
     let step = clock_step(clock);
@@ -111,7 +123,9 @@ pub(super) fn measure(
         fused: job.fused,
     };
     let per_sampler = |jobs: Vec<Job>| jobs.into_iter().map(times).collect();
-    Ok((jobs.into_iter().map(per_sampler).collect(), step.as_nanos() as f64))
+    let [clock_step, at_least] = [step, enough].map(|time| time.as_nanos() as f64);
+    let timing = Timing { clock_step, at_least, rounds: ROUNDS };
+    Ok((jobs.into_iter().map(per_sampler).collect(), timing))
 }
 
 /// The smallest difference above zero between readings one after the other.
@@ -225,8 +239,8 @@ mod tests {
         let plan = StudyPlan { counts: vec![1, 4], ..StudyPlan::paper() };
         let counts = plan.counts_used(2).unwrap();
         let control = Control::unwatched();
-        let (times, step) = measure(&subjects, &plan, &counts, &clock, control).unwrap();
-        assert_eq!(step, 50_000.0);
+        let (times, timing) = measure(&subjects, &plan, &counts, &clock, control).unwrap();
+        assert_eq!(timing, Timing { clock_step: 5e4, at_least: 5e6, rounds: 15 });
         let expected = 50_000.0 / 65_536.0 / 4.0;
         assert!((times[1][1].ns_per_sample.median - expected).abs() < 1e-9 * expected);
         assert!(!times[0][0].fused);

@@ -1,7 +1,8 @@
 //! The exponent of every pixel, coarse to fine.
 
-use super::{Job, RightOfWay, Wake};
+use super::{Job, PACE, RightOfWay, Wake};
 use std::sync::Arc;
+use std::time::Instant;
 use stratcore::fit::samples_needed;
 use stratcore::scene::Channel;
 use stratcore::study::{Control, StudyPlan, study_pixels};
@@ -49,8 +50,6 @@ pub struct MapUpdate {
     pub pixels: Vec<([u32; 2], Studied)>,
     /// Side of that square.
     pub step: u32,
-    /// Share of the pixels that are done, 0 to 1.
-    pub progress: f32,
 }
 
 /// Sends parts of the map, or what is wrong with the plan.
@@ -65,20 +64,22 @@ pub fn map(
     way: RightOfWay,
     wake: Wake,
 ) -> MapJob {
-    /// Pixels at a time: some tens of milliseconds of work.
-    const BATCH: usize = 24;
+    /// Pixels at a time: some milliseconds of work, as long as a click may have to wait.
+    const BATCH: usize = 8;
     let traced = traced.clone();
     Job::spawn("map", wake, move |reporter| {
         let resolution = traced.scene().camera.resolution;
-        let total = f64::from(resolution[0]) * f64::from(resolution[1]);
+        let total = resolution.map(u64::from).iter().product();
         let mut done = 0;
         for step in [16, 8, 4, 2, 1] {
             let lattice: Vec<_> = lattice(resolution, step).collect();
-            for pixels in lattice.chunks(BATCH) {
+            let mut studied = Vec::new();
+            let mut last = Instant::now();
+            let mut batches = lattice.chunks(BATCH).peekable();
+            while let Some(pixels) = batches.next() {
                 way.give(reporter);
                 let control = Control { cancel: reporter.cancel(), ..Control::unwatched() };
                 let integrand_of = |pixel| traced.pixel(pixel, channel);
-                let mut studied = Vec::with_capacity(pixels.len());
                 let ended =
                     study_pixels(&integrand_of, pixels.iter().copied(), &plan, control, &mut |r| {
                         studied.push((r.pixel, studied_of(&r)));
@@ -86,12 +87,15 @@ pub fn map(
                 if reporter.is_cancelled() {
                     return;
                 }
-                done += studied.len();
-                let progress = (done as f64 / total) as f32;
-                let update = MapUpdate { pixels: studied, step, progress };
-                match ended {
-                    Ok(()) => reporter.send(Ok(update)),
-                    Err(error) => return reporter.send(Err(error.to_string())),
+                if let Err(error) = ended {
+                    return reporter.send(Err(error.to_string()));
+                }
+                done += pixels.len() as u64;
+                reporter.progress(done, total);
+                if batches.peek().is_none() || last.elapsed() >= PACE {
+                    let pixels = std::mem::take(&mut studied);
+                    reporter.send(Ok(MapUpdate { pixels, step }));
+                    last = Instant::now();
                 }
             }
         }
@@ -159,7 +163,7 @@ mod tests {
             rung.recv().unwrap();
             updates.extend(job.poll().into_iter().map(Result::unwrap));
         }
-        assert_eq!(updates.last().unwrap().progress, 1.0);
+        assert_eq!(job.share(), 1.0);
         let pixels: Vec<_> = updates.into_iter().flat_map(|update| update.pixels).collect();
         assert_eq!(pixels.len(), 144);
         for (pixel, studied) in pixels.into_iter().step_by(29) {

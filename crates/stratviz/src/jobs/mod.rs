@@ -3,6 +3,7 @@
 
 pub mod inside;
 pub mod map;
+pub mod patterns;
 pub mod picture;
 pub mod scene;
 pub mod study;
@@ -11,15 +12,20 @@ pub mod watch;
 
 pub use inside::{InsideJob, PointsAsked, Seen};
 pub use map::{MapJob, MapUpdate, Studied};
+pub use patterns::{DiscrepancyPlan, Drawn, PatternJob, SpectrumSoFar};
 pub use picture::{Patch, PictureJob};
 pub use scene::{Loaded, SceneJob};
 pub use study::{StudyJob, Subject, study_job};
-pub use trade::{TradeJob, trade_job};
+pub use trade::{TradeJob, Traded, trade_job};
 pub use watch::WatchJob;
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc;
+use std::time::Duration;
+
+/// Between two parts of a picture in the making: more of them would cost frames that nobody sees.
+const PACE: Duration = Duration::from_millis(50);
 
 /// Wakes whoever polls a job; called from the worker.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
@@ -39,6 +45,7 @@ pub enum Standing {
 /// old one.
 pub struct Job<U> {
     cancel: Arc<AtomicBool>,
+    permille: Arc<AtomicU64>,
     messages: mpsc::Receiver<Message<U>>,
     standing: Standing,
 }
@@ -51,6 +58,7 @@ enum Message<U> {
 /// The worker's end of a job.
 pub struct Reporter<U> {
     cancel: Arc<AtomicBool>,
+    permille: Arc<AtomicU64>,
     messages: Option<mpsc::Sender<Message<U>>>,
     wake: Wake,
 }
@@ -69,6 +77,17 @@ impl<U> Reporter<U> {
     /// Sends, then wakes: whoever wakes finds the message.
     pub fn send(&self, update: U) {
         self.deliver(Message::Update(update));
+    }
+
+    /// Says that `done` of `total` is done; wakes where that can be seen.
+    pub fn progress(&self, done: u64, total: u64) {
+        const SEEN: u64 = 10;
+        let share = done as f64 / total.max(1) as f64;
+        let permille = (1000.0 * share.min(1.0)) as u64;
+        let before = self.permille.fetch_max(permille, Ordering::Relaxed);
+        if permille / SEEN > before / SEEN {
+            (self.wake)();
+        }
     }
 
     fn deliver(&self, message: Message<U>) {
@@ -92,14 +111,20 @@ impl<U: Send + 'static> Job<U> {
     pub fn spawn(name: &str, wake: Wake, work: impl FnOnce(&Reporter<U>) + Send + 'static) -> Self {
         let (sender, messages) = mpsc::channel();
         let cancel = Arc::new(AtomicBool::new(false));
-        let reporter = Reporter { cancel: cancel.clone(), messages: Some(sender), wake };
+        let permille = Arc::new(AtomicU64::new(0));
+        let reporter = Reporter {
+            cancel: cancel.clone(),
+            permille: permille.clone(),
+            messages: Some(sender),
+            wake,
+        };
         let worker = std::thread::Builder::new().name(name.to_owned()).spawn(move || {
             work(&reporter);
             reporter.deliver(Message::Done);
         });
         // Without a thread the reporter is gone, and the job will be found dead.
         drop(worker);
-        Self { cancel, messages, standing: Standing::Running }
+        Self { cancel, permille, messages, standing: Standing::Running }
     }
 
     /// What came in since the last call.
@@ -116,6 +141,11 @@ impl<U: Send + 'static> Job<U> {
         updates
     }
 
+    /// The share of the work that is done, 0 to 1, as far as the worker tells.
+    pub fn share(&self) -> f32 {
+        self.permille.load(Ordering::Relaxed) as f32 / 1000.0
+    }
+
     /// How it stood at the last [`poll`](Self::poll).
     pub fn standing(&self) -> Standing {
         self.standing
@@ -128,31 +158,64 @@ impl<U> Drop for Job<U> {
     }
 }
 
-/// Lets work in the background step aside while someone waits for a click's answer.
+/// Lets other work step aside while someone waits for a click's answer: all of it until the
+/// first curve is there, the picture and the map until the last one is.
 #[derive(Clone, Default)]
-pub struct RightOfWay(Arc<AtomicUsize>);
+pub struct RightOfWay(Arc<Waiting>);
+
+#[derive(Default)]
+struct Waiting {
+    /// For a first answer.
+    first: AtomicUsize,
+    /// For a whole one.
+    whole: AtomicUsize,
+}
 
 impl RightOfWay {
     /// Holds others back until the guard is dropped.
     pub fn take(&self) -> Urgent {
-        self.0.fetch_add(1, Ordering::Relaxed);
-        Urgent(self.clone())
+        self.0.first.fetch_add(1, Ordering::Relaxed);
+        self.0.whole.fetch_add(1, Ordering::Relaxed);
+        Urgent { way: self.clone(), is_first: true }
     }
 
-    /// Waits while anyone has the right of way, but not for a job that is cancelled.
+    /// Work in the background waits here while anyone has the right of way, but not when it is
+    /// cancelled.
     pub fn give<U>(&self, reporter: &Reporter<U>) {
-        while self.0.load(Ordering::Relaxed) > 0 && !reporter.is_cancelled() {
-            std::thread::sleep(std::time::Duration::from_millis(2));
-        }
+        wait(&self.0.whole, reporter);
+    }
+
+    /// Work that was asked for waits here for first answers alone.
+    pub fn give_first<U>(&self, reporter: &Reporter<U>) {
+        wait(&self.0.first, reporter);
+    }
+}
+
+fn wait<U>(others: &AtomicUsize, reporter: &Reporter<U>) {
+    while others.load(Ordering::Relaxed) > 0 && !reporter.is_cancelled() {
+        std::thread::sleep(Duration::from_millis(1));
     }
 }
 
 /// Has the right of way as long as it lives.
-pub struct Urgent(RightOfWay);
+pub struct Urgent {
+    way: RightOfWay,
+    is_first: bool,
+}
+
+impl Urgent {
+    /// The first answer is given.
+    pub fn answered(&mut self) {
+        if std::mem::take(&mut self.is_first) {
+            self.way.0.first.fetch_sub(1, Ordering::Relaxed);
+        }
+    }
+}
 
 impl Drop for Urgent {
     fn drop(&mut self) {
-        self.0.0.fetch_sub(1, Ordering::Relaxed);
+        self.answered();
+        self.way.0.whole.fetch_sub(1, Ordering::Relaxed);
     }
 }
 
@@ -213,18 +276,43 @@ mod tests {
     }
 
     #[test]
-    fn the_background_waits_for_the_urgent() {
+    fn others_wait_for_the_urgent() {
         let way = RightOfWay::default();
-        let urgent = way.take();
+        let mut urgent = way.take();
         let (wake, _rung) = bell();
         let (passed, gate) = mpsc::channel();
-        let background = way.clone();
-        let _job = Job::<()>::spawn("background", wake, move |reporter| {
-            background.give(reporter);
-            passed.send(()).unwrap();
+        let jobs = [("first", true), ("whole", false)].map(|(name, first)| {
+            let (way, passed) = (way.clone(), passed.clone());
+            Job::<()>::spawn(name, wake.clone(), move |reporter| {
+                if first {
+                    way.give_first(reporter)
+                } else {
+                    way.give(reporter)
+                }
+                passed.send(name).unwrap();
+            })
         });
-        assert!(gate.recv_timeout(std::time::Duration::from_millis(20)).is_err());
+        let moment = Duration::from_millis(20);
+        assert!(gate.recv_timeout(moment).is_err());
+        urgent.answered();
+        assert_eq!(gate.recv(), Ok("first"));
+        assert!(gate.recv_timeout(moment).is_err());
         drop(urgent);
-        gate.recv().unwrap();
+        assert_eq!(gate.recv(), Ok("whole"));
+        drop(jobs);
+    }
+
+    #[test]
+    fn progress_wakes_where_it_can_be_seen() {
+        let (wake, rung) = bell();
+        let mut job = Job::<()>::spawn("steps", wake, |reporter| {
+            for step in 0..=1000 {
+                reporter.progress(step, 1000);
+            }
+        });
+        // A hundred steps, the end and the farewell; then the worker's bell is gone.
+        assert_eq!(rung.iter().count(), 102);
+        job.poll();
+        assert_eq!(job.share(), 1.0);
     }
 }

@@ -1,7 +1,8 @@
 //! The picture, coarse to fine.
 
-use super::{Job, RightOfWay, Wake};
+use super::{Job, PACE, RightOfWay, Wake};
 use std::sync::Arc;
+use std::time::Instant;
 use stratcore::scene::Rgb;
 use stratcore::study::{Control, SamplerChoice, render_pixels};
 use stratcore::trace::TracedScene;
@@ -18,8 +19,6 @@ pub struct Patch {
     pub step: u32,
     /// Samples per pixel.
     pub spp: u64,
-    /// Share of the whole work that is done, 0 to 1.
-    pub progress: f32,
 }
 
 /// Sends patches, or what is wrong.
@@ -38,14 +37,15 @@ pub fn render(
     Job::spawn("picture", wake, move |reporter| {
         let resolution = traced.scene().camera.resolution;
         let passes = passes(spp);
-        let cost = |&(step, spp): &(u32, u64)| spp as f32 / (step * step) as f32;
-        let total: f32 = passes.iter().map(cost).sum();
-        let mut done = 0.0;
-        for pass in passes {
-            let (step, spp) = pass;
-            let blocks = blocks(resolution, step);
-            let share = cost(&pass) / total / blocks.len() as f32;
-            for pixels in blocks {
+        let samples = |&(step, spp): &(u32, u64)| lattice_len(resolution, step) * spp;
+        let total = passes.iter().map(samples).sum();
+        let mut done = 0;
+        for (step, spp) in passes {
+            let empty = || Patch { pixels: Vec::new(), colours: Vec::new(), step, spp };
+            let mut patch = empty();
+            let mut last = Instant::now();
+            let mut blocks = blocks(resolution, step, spp).peekable();
+            while let Some(pixels) = blocks.next() {
                 way.give(reporter);
                 let control = Control { cancel: reporter.cancel(), ..Control::unwatched() };
                 let rendered =
@@ -53,9 +53,17 @@ pub fn render(
                 if reporter.is_cancelled() {
                     return;
                 }
-                done += share;
-                let patch = |colours| Patch { pixels, colours, step, spp, progress: done };
-                reporter.send(rendered.map(patch).map_err(|error| error.to_string()));
+                match rendered {
+                    Ok(colours) => patch.colours.extend(colours),
+                    Err(error) => return reporter.send(Err(error.to_string())),
+                }
+                done += pixels.len() as u64 * spp;
+                patch.pixels.extend(pixels);
+                reporter.progress(done, total);
+                if blocks.peek().is_none() || last.elapsed() >= PACE {
+                    reporter.send(Ok(std::mem::replace(&mut patch, empty())));
+                    last = Instant::now();
+                }
             }
         }
     })
@@ -71,15 +79,23 @@ fn passes(spp: u64) -> Vec<(u32, u64)> {
     passes
 }
 
-/// The lattice of this step in blocks of rows, about as many pixels in each.
-fn blocks([width, height]: [u32; 2], step: u32) -> Vec<Vec<[u32; 2]>> {
-    const PIXELS: usize = 4096;
-    let across: Vec<u32> = (0..width).step_by(step as usize).collect();
-    let rows: Vec<u32> = (0..height).step_by(step as usize).collect();
-    let rows_per_block = (PIXELS / across.len().max(1)).max(1);
-    rows.chunks(rows_per_block)
-        .map(|rows| rows.iter().flat_map(|&y| across.iter().map(move |&x| [x, y])).collect())
-        .collect()
+/// Pixels that are `step` apart.
+fn lattice_len(resolution: [u32; 2], step: u32) -> u64 {
+    resolution.iter().map(|side| u64::from(side.div_ceil(step))).product()
+}
+
+/// The lattice of this step, row by row, in blocks of a few milliseconds' work: as long a click
+/// may have to wait.
+fn blocks([width, height]: [u32; 2], step: u32, spp: u64) -> impl Iterator<Item = Vec<[u32; 2]>> {
+    const SAMPLES: u64 = 4096;
+    let len = (SAMPLES / spp).clamp(16, SAMPLES) as usize;
+    let mut pixels = (0..height)
+        .step_by(step as usize)
+        .flat_map(move |y| (0..width).step_by(step as usize).map(move |x| [x, y]));
+    std::iter::from_fn(move || {
+        let block: Vec<_> = pixels.by_ref().take(len).collect();
+        (!block.is_empty()).then_some(block)
+    })
 }
 
 #[cfg(test)]
@@ -98,12 +114,11 @@ mod tests {
 
     #[test]
     fn blocks_cover_each_lattice_once() {
-        for step in [1, 2, 8] {
-            let mut pixels = blocks([101, 67], step).concat();
+        for (step, spp) in [(1, 16), (2, 1), (8, 1 << 20)] {
+            let mut pixels: Vec<_> = blocks([101, 67], step, spp).flatten().collect();
             pixels.sort_unstable();
             let unique = pixels.windows(2).all(|pair| pair[0] != pair[1]);
-            let expected = 101u32.div_ceil(step) * 67u32.div_ceil(step);
-            assert!(unique && pixels.len() == expected as usize);
+            assert!(unique && pixels.len() as u64 == lattice_len([101, 67], step));
         }
     }
 
@@ -122,9 +137,9 @@ mod tests {
         }
         let whole =
             study::render(&traced, SamplerChoice::JITTERED, 4, 7, Control::unwatched()).unwrap();
-        let last = patches.pop().unwrap().unwrap();
-        assert_eq!((last.spp, last.step), (4, 1));
-        assert_eq!(last.colours, whole.pixels);
-        assert!((last.progress - 1.0).abs() < 1e-4);
+        let last = patches.iter().flatten().filter(|patch| (patch.spp, patch.step) == (4, 1));
+        let colours: Vec<_> = last.flat_map(|patch| patch.colours.clone()).collect();
+        assert_eq!(colours, whole.pixels);
+        assert_eq!(job.share(), 1.0);
     }
 }

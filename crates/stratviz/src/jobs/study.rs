@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use stratcore::integrand::{self, Integrand};
 use stratcore::scene::Channel;
-use stratcore::study::{Control, StudyPlan, StudyResult, study_live};
+use stratcore::study::{Control, StudyPlan, StudyResult, Tightness, study_live, study_until};
 use stratcore::trace::TracedScene;
 
 /// What is studied.
@@ -38,8 +38,8 @@ pub type StudyUpdate = Result<(StudyResult, Duration), String>;
 /// Sends results with ever more trials, or what is wrong with the plan.
 pub type StudyJob = Job<StudyUpdate>;
 
-/// Starts a study that ends when the 95 % interval of every exponent is within ± `until`, or
-/// with the plan's last trial. `plan_in` makes the plan for a subject of so many dimensions.
+/// Starts a study that ends when the 95 % interval of every exponent is within ± `until`, as
+/// `stratcli` takes `--until`, or with the plan's last trial; 0 makes them all. `plan_in` makes the plan for a subject of so many dimensions.
 pub fn study_job(
     subject: Subject,
     plan_in: impl Fn(usize) -> Result<StudyPlan, String> + Send + 'static,
@@ -47,18 +47,27 @@ pub fn study_job(
     way: &RightOfWay,
     wake: Wake,
 ) -> StudyJob {
-    let urgent = way.take();
+    let mut urgent = way.take();
     let start = Instant::now();
     Job::spawn("study", wake, move |reporter| {
-        let run = |integrand: &dyn Integrand, pixel| {
+        let mut each = |result: StudyResult| {
+            reporter.send(Ok((result, start.elapsed())));
+            urgent.answered();
+        };
+        let mut run = |integrand: &dyn Integrand, pixel| {
             let plan = plan_in(integrand.dim())?;
             let control = Control { cancel: reporter.cancel(), ..Control::unwatched() };
-            study_live(integrand, pixel, &plan, control, &mut |result| {
-                let enough = is_tight(&result, until);
-                reporter.send(Ok((result, start.elapsed())));
-                if enough { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-            })
-            .map_err(|error| error.to_string())
+            let ended = if until > 0.0 {
+                let until = Tightness::Exponent(until);
+                let mut so_far = |result: &StudyResult| each(result.clone());
+                study_until(integrand, pixel, &plan, until, control, &mut so_far).map(|_| ())
+            } else {
+                study_live(integrand, pixel, &plan, control, &mut |result| {
+                    each(result);
+                    ControlFlow::Continue(())
+                })
+            };
+            ended.map_err(|error| error.to_string())
         };
         let ended = match &subject {
             Subject::Pixel { traced, pixel, channel } => {
@@ -70,7 +79,6 @@ pub fn study_job(
                     .and_then(|integrand| run(&*integrand, [0, 0]))
             }
         };
-        drop(urgent);
         if let Err(fault) = ended
             && !reporter.is_cancelled()
         {
@@ -79,21 +87,12 @@ pub fn study_job(
     })
 }
 
-/// Whether every exponent is known to ± `until`. A curve without an exponent so far is judged
-/// after the paper's 50 trials: what is exact then is taken for exact.
-pub fn is_tight(result: &StudyResult, until: f64) -> bool {
-    const ENOUGH: u32 = 50;
-    result.samplers.iter().all(|sampler| match sampler.fit {
-        Some(fit) => fit.ci95[1] - fit.ci95[0] <= 2.0 * until,
-        None => result.trials >= ENOUGH,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::Standing;
     use super::*;
     use std::sync::mpsc;
+    use stratcore::integrand::by_name;
 
     fn run(subject: Subject, until: f64) -> (Vec<StudyUpdate>, Standing) {
         let (sender, rung) = mpsc::channel();
@@ -114,19 +113,26 @@ mod tests {
     }
 
     #[test]
-    fn it_stops_at_the_first_block_whose_interval_is_tight() {
+    fn it_stops_where_the_command_line_does() {
         let (updates, standing) = run(integrand("disk"), 0.06);
         assert_eq!(standing, Standing::Done);
-        let results: Vec<_> = updates.into_iter().map(|u| u.unwrap().0).collect();
-        let (last, before) = results.split_last().unwrap();
-        assert!(is_tight(last, 0.06) && last.trials < 400);
-        assert!(!before.is_empty() && before.iter().all(|result| !is_tight(result, 0.06)));
+        let (last, _) = updates.last().unwrap().as_ref().unwrap();
+        let disk = by_name("disk", Some(2), &[]).unwrap();
+        let plan = StudyPlan { n_trials: 400, ..StudyPlan::paper() };
+        let until = Tightness::Exponent(0.06);
+        let control = Control::unwatched();
+        let (batch, stop) =
+            study_until(&*disk, [0, 0], &plan, until, control, &mut |_| {}).unwrap();
+        assert_eq!(*last, batch);
+        assert_eq!(stop.reason, stratcore::study::StopReason::Sure);
     }
 
     #[test]
-    fn a_constant_is_believed_after_fifty_trials() {
-        let (updates, _) = run(integrand("constant"), 0.01);
-        assert_eq!(updates.last().unwrap().as_ref().unwrap().0.trials, 50);
+    fn all_trials_are_made_where_no_width_is_asked_for() {
+        for name in ["disk", "constant"] {
+            let (updates, _) = run(integrand(name), 0.0);
+            assert_eq!(updates.last().unwrap().as_ref().unwrap().0.trials, 400);
+        }
     }
 
     #[test]

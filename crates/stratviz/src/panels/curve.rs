@@ -132,7 +132,8 @@ fn row(ui: &mut Ui, sampler: &SamplerResult, study: Option<usize>, kept: Option<
     ui.end_row();
 }
 
-fn swatch(ui: &mut Ui, colour: Color32) {
+/// A square of a sampler's colour.
+pub fn swatch(ui: &mut Ui, colour: Color32) {
     let (rect, _) = ui.allocate_exact_size(vec2(12.0, 12.0), egui::Sense::hover());
     ui.painter().rect_filled(rect, 2.0, colour);
 }

@@ -18,6 +18,7 @@ enum Question {
     Open,
     SavePicture,
     SaveCurve,
+    SaveDiscrepancies,
     OpenLine,
 }
 
@@ -43,11 +44,18 @@ impl Dialog {
     /// The curves, to which file?
     pub fn save_curve(state: &State) -> Self {
         let answer = match (state.page, state.pixels.first()) {
-            (Page::Pixel | Page::Trade, Some([x, y])) => format!("{}-{x}-{y}.csv", stem(state)),
-            (Page::Pixel | Page::Trade, None) => format!("{}.csv", stem(state)),
+            (Page::Trade, _) => format!("{}-trade.csv", stem(state)),
+            (Page::Pixel, Some([x, y])) => format!("{}-{x}-{y}.csv", stem(state)),
+            (Page::Pixel, None) => format!("{}.csv", stem(state)),
             (Page::Theory, _) => format!("{}.csv", state.theory.name),
+            (Page::Patterns, _) => format!("spectrum-{}.csv", state.patterns.n),
         };
         Self { question: Question::SaveCurve, answer }
+    }
+
+    /// The discrepancies of the patterns page, to which file?
+    pub fn save_discrepancies() -> Self {
+        Self { question: Question::SaveDiscrepancies, answer: "discrepancy.csv".to_owned() }
     }
 
     /// Which line of `stratcli`?
@@ -61,17 +69,19 @@ impl Dialog {
             Question::Open => "Open a scene",
             Question::SavePicture => "Save the picture",
             Question::SaveCurve => "Save the curve",
+            Question::SaveDiscrepancies => "Save the discrepancies",
             Question::OpenLine => "Open a command",
         }
     }
 
-    /// The key that asks it.
-    pub fn key(&self) -> &'static str {
+    /// The key that asks it, if there is one.
+    pub fn key(&self) -> Option<&'static str> {
         match self.question {
-            Question::Open => "Ctrl+O",
-            Question::SavePicture => "Ctrl+S",
-            Question::SaveCurve => "Ctrl+E",
-            Question::OpenLine => "Ctrl+V",
+            Question::Open => Some("Ctrl+O"),
+            Question::SavePicture => Some("Ctrl+S"),
+            Question::SaveCurve => Some("Ctrl+E"),
+            Question::SaveDiscrepancies => None,
+            Question::OpenLine => Some("Ctrl+V"),
         }
     }
 
@@ -81,15 +91,19 @@ impl Dialog {
                 "A path to a .toml or .obj, or a built-in name. Files can be dropped on the window."
             }
             Question::SavePicture => ".png: 8-bit sRGB. .exr: 32-bit linear RGB.",
-            Question::SaveCurve => ".csv: every number. .svg or .png: the chart.",
-            Question::OpenLine => "A line of stratcli pixel, integrand, render or inspect.",
+            Question::SaveCurve | Question::SaveDiscrepancies => {
+                ".csv: every number. .svg or .png: the chart."
+            }
+            Question::OpenLine => {
+                "Lines of stratcli pixel, integrand, trade, points, spectrum, discrepancy, render or inspect."
+            }
         }
     }
 
     fn button(&self) -> &'static str {
         match self.question {
             Question::Open | Question::OpenLine => "Open",
-            Question::SavePicture | Question::SaveCurve => "Save",
+            Question::SavePicture | Question::SaveCurve | Question::SaveDiscrepancies => "Save",
         }
     }
 
@@ -99,6 +113,7 @@ impl Dialog {
             Question::Open => Command::Open(answer),
             Question::SavePicture => Command::SavePicture(PathBuf::from(answer)),
             Question::SaveCurve => Command::SaveCurve(PathBuf::from(answer)),
+            Question::SaveDiscrepancies => Command::SaveDiscrepancies(PathBuf::from(answer)),
             Question::OpenLine => Command::OpenLine(answer),
         }
     }

@@ -27,7 +27,8 @@ impl InsidePanel {
     /// Draws the inside and its controls.
     pub fn ui(&mut self, ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
         let mut words = state.inside.clone();
-        let side = ui.available_height().min(ui.available_width() * 0.5);
+        let side = (ui.available_height() - 6.0).min(ui.available_width() * 0.5);
+        ui.add_space(4.0);
         ui.horizontal_top(|ui| {
             let (response, painter) = ui.allocate_painter(vec2(side, side), Sense::hover());
             response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, "Inside"));

@@ -2,40 +2,32 @@
 
 use super::colours;
 use super::legend;
+use super::numbers;
 use super::texture::TiledTexture;
+use super::view::View;
 use crate::command::Command;
 use crate::jobs::Studied;
 use crate::model::{Model, Progress};
 use crate::state::{Overlay, PictureWords, State};
 use eframe::egui::{
-    self, Align2, Color32, FontId, Key, Painter, Pos2, Rect, Response, Sense, Stroke, StrokeKind,
-    Ui, Vec2, WidgetInfo, pos2, vec2,
+    self, Align2, Color32, FontId, Key, Painter, PointerButton, Pos2, Rect, Response, Sense,
+    Stroke, StrokeKind, Ui, Vec2, WidgetInfo, pos2,
 };
 
 /// From this many points per pixel on, the pixels are told apart by a grid.
 const GRID_FROM: f32 = 12.0;
-/// Points per pixel at the most.
-const CLOSEST: f32 = 256.0;
+/// The smallest mark of a studied pixel, in points.
+const MARK: Vec2 = Vec2::splat(9.0);
 
 /// What is looked at, and the textures.
+#[derive(Default)]
 pub struct PicturePanel {
-    /// Points per pixel; none to fit the panel.
-    scale: Option<f32>,
-    /// The pixel coordinates in the middle of the panel.
-    middle: Vec2,
-    /// The panel's size in points when it was last drawn.
-    size: Vec2,
+    view: View,
     hovered: Option<[u32; 2]>,
+    /// Where a rectangle that is to be zoomed to was begun.
+    corner: Option<Pos2>,
     picture: TiledTexture<u64>,
     overlay: TiledTexture<(Overlay, u64)>,
-}
-
-impl Default for PicturePanel {
-    fn default() -> Self {
-        let (picture, overlay) = (TiledTexture::default(), TiledTexture::default());
-        let (middle, size) = (Vec2::ZERO, Vec2::ZERO);
-        Self { scale: None, middle, size, hovered: None, picture, overlay }
-    }
 }
 
 impl PicturePanel {
@@ -57,15 +49,20 @@ impl PicturePanel {
         command
     }
 
+    /// The pixel under the pointer.
+    pub fn hovered(&self) -> Option<[u32; 2]> {
+        self.hovered
+    }
+
     fn tools(&mut self, ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
         let mut words = state.picture.clone();
         let mut command = None;
         ui.horizontal_wrapped(|ui| {
             if ui.button("Fit").on_hover_text("the whole picture (F)").clicked() {
-                self.scale = None;
+                self.view.fit();
             }
             if ui.button("1:1").on_hover_text("one point per pixel (Ctrl+0)").clicked() {
-                self.scale = Some(1.0);
+                self.view.set_scale(1.0);
             }
             ui.separator();
             let stops = egui::DragValue::new(&mut words.exposure)
@@ -74,6 +71,9 @@ impl PicturePanel {
                 .fixed_decimals(1)
                 .prefix("exposure ");
             ui.add(stops).on_hover_text("stops; E and Shift+E");
+            if ui.button("Normalise").on_hover_text("expose for the brightest (A)").clicked() {
+                words.exposure = model.exposure_of_brightest().unwrap_or(words.exposure);
+            }
             let spp = egui::DragValue::new(&mut words.spp).range(1..=4096).suffix(" spp");
             ui.add(spp).on_hover_text("samples per pixel of the finished picture");
             ui.separator();
@@ -86,8 +86,12 @@ impl PicturePanel {
                 },
             );
             if words.overlay != Overlay::Off {
-                let slider = egui::Slider::new(&mut words.opacity, 0.0..=1.0).show_value(false);
-                ui.add(slider).on_hover_text("how much the overlay covers");
+                let mut percent = 100.0 * words.opacity;
+                let covers = egui::DragValue::new(&mut percent).range(0.0..=100.0).suffix(" %");
+                let covers = covers.fixed_decimals(0);
+                if ui.add(covers).on_hover_text("how much the overlay covers").changed() {
+                    words.opacity = percent / 100.0;
+                }
             }
             command = map_button(ui, state, model);
         });
@@ -126,37 +130,43 @@ impl PicturePanel {
     fn canvas(&mut self, ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
         let (response, painter) = ui.allocate_painter(ui.available_size(), Sense::click_and_drag());
         response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, "Picture"));
-        self.size = response.rect.size();
         let [width, height] = model.picture.size;
         if width == 0 || height == 0 {
             self.hovered = None;
             return None;
         }
-        let size = vec2(width as f32, height as f32);
-        let fit = (response.rect.size() / size).min_elem();
-        self.navigate(ui, &response, size, fit);
-        let scale = self.scale.unwrap_or(fit);
-        if self.scale.is_none() {
-            self.middle = size / 2.0;
-        }
-        let origin = response.rect.center() - self.middle * scale;
-        self.paint_layers(ui, &painter, (origin, scale), state, model);
+        self.view.place(response.rect, [width, height]);
+        let rectangle = self.rectangle(ui, &response);
+        self.navigate(ui, &response, rectangle.is_some());
+        self.paint_layers(ui, &painter, state, model);
+        let view = &self.view;
+        let scale = view.scale();
         if scale >= GRID_FROM {
-            grid(&painter, origin, scale, [width, height]);
+            grid(&painter, view);
         }
-        mark_studied(&painter, origin, scale, &state.pixels);
+        if scale >= numbers::FROM {
+            numbers::paint(&painter, view, state, model);
+        }
+        mark_studied(&painter, view, &state.pixels);
         if state.picture.overlay != Overlay::Off {
             legend::paint(&painter, response.rect, state);
         }
-        let pixel_at = |at: Pos2| {
-            let p = (at - origin) / scale;
-            let inside = p.x >= 0.0 && p.y >= 0.0 && p.x < size.x && p.y < size.y;
-            inside.then_some([p.x as u32, p.y as u32])
-        };
-        self.hovered = response.hover_pos().and_then(pixel_at);
-        let clicked = response.interact_pointer_pos().and_then(pixel_at)?;
+        if let Some(rectangle) = rectangle {
+            for (width, colour) in [(3.0, Color32::BLACK), (1.0, Color32::WHITE)] {
+                let stroke = Stroke::new(width, colour);
+                painter.rect_stroke(rectangle, 0.0, stroke, StrokeKind::Middle);
+            }
+        }
+        self.hovered = response.hover_pos().and_then(|at| self.view.pixel_at(at));
+        let clicked = response.interact_pointer_pos().and_then(|at| self.view.pixel_at(at))?;
         if response.secondary_clicked() {
-            return Some(Command::Remove(clicked));
+            let at = response.interact_pointer_pos()?;
+            let mark = |pixel: &[u32; 2]| {
+                let pixel = self.view.rect_of(*pixel);
+                Rect::from_center_size(pixel.center(), pixel.size().max(MARK))
+            };
+            let hit = state.pixels.iter().find(|pixel| mark(pixel).contains(at));
+            return hit.copied().map(Command::Remove);
         }
         response.clicked().then(|| {
             let compare = ui.input(|input| input.modifiers.shift);
@@ -164,63 +174,67 @@ impl PicturePanel {
         })
     }
 
-    /// Wheel and pinch zoom to the pointer, dragging pans, keys do both.
-    fn navigate(&mut self, ui: &Ui, response: &Response, size: Vec2, fit: f32) {
-        let scale = self.scale.unwrap_or(fit);
-        if response.dragged() && response.drag_delta() != Vec2::ZERO {
-            self.scale = Some(scale);
-            self.middle -= response.drag_delta() / scale;
+    /// The rectangle that is dragged with Ctrl; zooms to it when it is let go.
+    fn rectangle(&mut self, ui: &Ui, response: &Response) -> Option<Rect> {
+        /// Points that are no rectangle yet.
+        const LEAST: f32 = 4.0;
+        if response.drag_started_by(PointerButton::Primary) && ui.input(|i| i.modifiers.command) {
+            self.corner = ui.input(|input| input.pointer.press_origin());
         }
-        let mut zoom = 1.0;
-        let mut about = response.rect.center();
+        let corner = self.corner?;
+        let end = response.interact_pointer_pos().or(ui.ctx().pointer_latest_pos())?;
+        let rectangle = Rect::from_two_pos(corner, end).intersect(response.rect);
+        if ui.input(|input| input.pointer.any_down()) {
+            return Some(rectangle);
+        }
+        self.corner = None;
+        if rectangle.size().min_elem() >= LEAST {
+            self.view.zoom_to(rectangle);
+        }
+        None
+    }
+
+    /// Wheel and pinch zoom to the pointer, dragging pans, keys do both.
+    fn navigate(&mut self, ui: &Ui, response: &Response, is_rectangle: bool) {
+        if response.dragged() && !is_rectangle {
+            self.view.pan(response.drag_delta());
+        }
         if let Some(pointer) = response.hover_pos() {
             let [wheel, pinch] = ui.input(|i| [i.smooth_scroll_delta.y, i.zoom_delta()]);
-            zoom = pinch * (wheel * 0.005).exp();
-            about = pointer;
+            self.view.zoom(pinch * (wheel * 0.005).exp(), pointer);
         }
-        if !ui.ctx().text_edit_focused() {
-            ui.input(|input| {
-                let pressed = |key| input.key_pressed(key) && !input.modifiers.command;
-                if pressed(Key::Plus) || pressed(Key::Equals) {
-                    (zoom, about) = (1.5, response.rect.center());
-                }
-                if pressed(Key::Minus) {
-                    (zoom, about) = (1.0 / 1.5, response.rect.center());
-                }
-                if pressed(Key::F) {
-                    self.scale = None;
-                }
-                if input.modifiers.command && input.key_pressed(Key::Num0) {
-                    self.scale = Some(1.0);
-                }
-            });
+        if ui.ctx().text_edit_focused() {
+            return;
         }
-        if zoom != 1.0 {
-            let new = (scale * zoom).clamp(fit.min(1.0) / 4.0, CLOSEST);
-            let off = about - response.rect.center();
-            self.middle += off / scale - off / new;
-            self.scale = Some(new);
-        }
-        self.middle = self.middle.clamp(Vec2::ZERO, size);
+        ui.input(|input| {
+            let pressed = |key| input.key_pressed(key) && !input.modifiers.command;
+            if pressed(Key::Plus) || pressed(Key::Equals) {
+                self.view.zoom(1.5, response.rect.center());
+            }
+            if pressed(Key::Minus) {
+                self.view.zoom(1.0 / 1.5, response.rect.center());
+            }
+            if pressed(Key::F) {
+                self.view.fit();
+            }
+            if input.modifiers.command && input.key_pressed(Key::Num0) {
+                self.view.set_scale(1.0);
+            }
+        });
+    }
+
+    /// Shows the whole picture.
+    pub fn fit(&mut self) {
+        self.view.fit();
     }
 
     /// Moves the view so that a pixel can be seen.
-    pub fn reveal(&mut self, [x, y]: [u32; 2]) {
-        let Some(scale) = self.scale else { return };
-        let half = self.size / (2.0 * scale) - Vec2::splat(1.0);
-        let at = vec2(x as f32 + 0.5, y as f32 + 0.5);
-        let off = at - self.middle;
-        self.middle += off - off.clamp(-half.max(Vec2::ZERO), half.max(Vec2::ZERO));
+    pub fn reveal(&mut self, pixel: [u32; 2]) {
+        self.view.reveal(pixel);
     }
 
-    fn paint_layers(
-        &mut self,
-        ui: &Ui,
-        painter: &Painter,
-        (origin, scale): (Pos2, f32),
-        state: &State,
-        model: &Model,
-    ) {
+    fn paint_layers(&mut self, ui: &Ui, painter: &Painter, state: &State, model: &Model) {
+        let (origin, scale) = (self.view.origin(), self.view.scale());
         let PictureWords { exposure, overlay, opacity, .. } = state.picture;
         let gain = exposure.exp2();
         self.picture
@@ -267,10 +281,10 @@ fn map_button(ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
     }
 }
 
-fn grid(painter: &Painter, origin: Pos2, scale: f32, [width, height]: [u32; 2]) {
-    let area = painter.clip_rect();
-    let whole = Rect::from_min_size(origin, vec2(width as f32, height as f32) * scale);
-    let area = area.intersect(whole);
+fn grid(painter: &Painter, view: &View) {
+    let whole = view.whole();
+    let area = painter.clip_rect().intersect(whole);
+    let (origin, scale) = (view.origin(), view.scale());
     let stroke = Stroke::new(0.5, Color32::from_white_alpha(40));
     let lines = |lo: f32, hi: f32, from: f32| {
         let first = ((lo - from) / scale).ceil() as i64;
@@ -286,11 +300,10 @@ fn grid(painter: &Painter, origin: Pos2, scale: f32, [width, height]: [u32; 2]) 
 }
 
 /// A frame round each studied pixel, large enough to be seen, and its number among several.
-fn mark_studied(painter: &Painter, origin: Pos2, scale: f32, pixels: &[[u32; 2]]) {
-    const SMALLEST: f32 = 9.0;
-    for (i, [x, y]) in pixels.iter().enumerate() {
-        let centre = origin + vec2(*x as f32 + 0.5, *y as f32 + 0.5) * scale;
-        let rect = Rect::from_center_size(centre, Vec2::splat(scale.max(SMALLEST)));
+fn mark_studied(painter: &Painter, view: &View, pixels: &[[u32; 2]]) {
+    for (i, pixel) in pixels.iter().enumerate() {
+        let pixel = view.rect_of(*pixel);
+        let rect = Rect::from_center_size(pixel.center(), pixel.size().max(MARK));
         painter.rect_stroke(rect, 0.0, Stroke::new(3.0, Color32::BLACK), StrokeKind::Outside);
         painter.rect_stroke(rect, 0.0, Stroke::new(1.5, Color32::WHITE), StrokeKind::Outside);
         if pixels.len() > 1 {

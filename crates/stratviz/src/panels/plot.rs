@@ -1,5 +1,6 @@
 //! Variance of the mean against N, both logarithmic: the plot that pixels and integrands share.
 
+use super::bars::Bars;
 use super::colours;
 use crate::model::Study;
 use eframe::egui::{Align2, Color32, RichText, Ui, Vec2, Vec2b};
@@ -10,9 +11,6 @@ use stratcli::report::chart::{Style, fraction};
 use stratcli::report::svg::Marker;
 use stratcore::study::{Row, SamplerResult};
 use stratcore::theory::Class;
-
-/// Half the width of an error bar's cap, in decades of N.
-const CAP: f64 = 0.012;
 
 /// One curve with what tells it from others.
 struct Curve<'a> {
@@ -41,17 +39,7 @@ pub fn ui(ui: &mut Ui, id: &str, studies: &[&Study]) {
     }
     let dim = studies.iter().find_map(|study| study.result.as_ref()).map_or(2, |r| r.dim);
     let muted = ui.visuals().weak_text_color();
-    Plot::new(id)
-        .allow_scroll(false)
-        .allow_boxed_zoom(false)
-        .show_axes(Vec2b::TRUE)
-        .set_margin_fraction(Vec2::new(0.07, 0.06))
-        .x_axis_label("samples in one estimate, N")
-        .y_axis_label("variance of the mean")
-        .x_grid_spacer(decades)
-        .y_grid_spacer(decades)
-        .x_axis_formatter(|mark, range| power(mark, range.end() - range.start()))
-        .y_axis_formatter(|mark, range| power(mark, range.end() - range.start()))
+    log_log(id, "samples in one estimate, N", "variance of the mean")
         .label_formatter(|position| match position {
             egui_plot::HoverPosition::NearDataPoint { plot_name, position, .. } => Some(format!(
                 "{plot_name}\nN {:.0}\nvariance {:.3e}",
@@ -66,6 +54,38 @@ pub fn ui(ui: &mut Ui, id: &str, studies: &[&Study]) {
                 draw(plot, curve, floor(&curves));
             }
         });
+}
+
+/// A plot of logarithms.
+pub fn log_log<'a>(id: &str, x_name: &'static str, y_name: &'static str) -> Plot<'a> {
+    Plot::new(id)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .show_axes(Vec2b::TRUE)
+        .set_margin_fraction(Vec2::new(0.1, 0.06))
+        .x_axis_label(x_name)
+        .y_axis_label(y_name)
+        .x_grid_spacer(decades)
+        .y_grid_spacer(decades)
+        .x_axis_formatter(|mark, range| power(mark, range.end() - range.start()))
+        .y_axis_formatter(|mark, range| power(mark, range.end() - range.start()))
+}
+
+/// A dashed line of slope -p from (x0, y0) to x1, or down to `floor`, with its name at the end.
+pub fn slope(
+    plot: &mut PlotUi<'_>,
+    [x0, y0]: [f64; 2],
+    [x1, floor]: [f64; 2],
+    (p, name): (f64, &str),
+    colour: Color32,
+) {
+    let x1 = x1.min(x0 + (y0 - floor) / p);
+    let end = [x1, y0 - p * (x1 - x0)];
+    let line = Line::new("slope", vec![[x0, y0], end]).color(colour).width(1.0);
+    plot.line(line.style(LineStyle::dashed_dense()).allow_hover(false));
+    let at = PlotPoint::new(end[0], end[1]);
+    let text = Text::new("slope", at, RichText::new(name).size(12.0));
+    plot.text(text.color(colour).anchor(Align2::LEFT_CENTER).allow_hover(false));
 }
 
 /// A point for every sampler where there is a variance.
@@ -87,17 +107,11 @@ fn draw(plot: &mut PlotUi<'_>, curve: &Curve<'_>, floor: f64) {
         let line = Line::new("closed form", closed_form).color(colour).width(1.0);
         plot.line(line.style(style).allow_hover(false));
     }
-    for row in measured(sampler) {
-        let x = (row.n_used as f64).log10();
+    let bars = measured(sampler).map(|row| {
         let [low, high] = row.ci95().map(f64::log10);
-        let bar = |ends: [[f64; 2]; 2]| {
-            Line::new(name, ends.to_vec()).color(colour).width(1.0).allow_hover(false)
-        };
-        plot.line(bar([[x, low], [x, high]]));
-        for end in [low, high] {
-            plot.line(bar([[x - CAP, end], [x + CAP, end]]));
-        }
-    }
+        [(row.n_used as f64).log10(), low, high]
+    });
+    plot.add(Bars::upright(name, colour, bars));
     let at = |row: &Row| [(row.n_used as f64).log10(), row.variance_of_mean.log10()];
     let points: Vec<_> = measured(sampler).map(at).collect();
     let dots = Points::new(name, points).shape(curve.marker).radius(3.5).color(colour);
@@ -131,14 +145,9 @@ fn reference_slopes(plot: &mut PlotUi<'_>, curves: &[Curve<'_>], dim: usize, col
     let (x0, y0) = ((first.n_used as f64).log10(), first.variance_of_mean.log10());
     for class in [Class::Complex, Class::Edge, Class::Smooth] {
         let Some(p) = class.predicted_exponent(dim) else { continue };
-        let x1 = (fit.n_max as f64).log10().min(x0 + (y0 - floor) / p);
-        let end = [x1, y0 - p * (x1 - x0)];
-        let line = Line::new("slope", vec![[x0, y0], end]).color(colour).width(1.0);
-        plot.line(line.style(LineStyle::dashed_dense()).allow_hover(false));
-        let words = RichText::new(format!("-{}", fraction(class, dim))).size(12.0);
-        let at = PlotPoint::new(end[0], end[1]);
-        let text = Text::new("slope", at, words).color(colour).anchor(Align2::LEFT_CENTER);
-        plot.text(text.allow_hover(false));
+        let reach = [(fit.n_max as f64).log10(), floor];
+        let name = format!("-{}", fraction(class, dim));
+        slope(plot, [x0, y0], reach, (p, &name), colour);
     }
 }
 
@@ -160,13 +169,13 @@ pub fn decades(input: GridInput) -> Vec<GridMark> {
     marks
 }
 
-/// A power of ten as people write it; 2 and 5 times it where less than a decade is seen.
+/// A power of ten as people write it; 2 and 5 times it where only one or two of them are seen.
 pub fn power(mark: GridMark, span: f64) -> String {
     let decade = mark.value.round();
     let value = 10f64.powf(mark.value);
     let is_decade = (mark.value - decade).abs() < 1e-6;
     let digit = (value / 10f64.powf(mark.value.floor())).round();
-    if !is_decade && !(span < 1.2 && (digit == 2.0 || digit == 5.0)) {
+    if !is_decade && !(span < 1.7 && (digit == 2.0 || digit == 5.0)) {
         return String::new();
     }
     if (-3.0..6.0).contains(&decade) {

@@ -10,9 +10,34 @@ use stratcore::sampler::{CountPolicy, SHELF, Sampler};
 /// The controls of a study. What is typed counts when the field is left.
 #[derive(Default)]
 pub struct StudyPanel {
-    counts: String,
-    /// The state's counts when `counts` was last taken from it.
-    known_counts: Option<String>,
+    counts: CountsField,
+}
+
+/// A field of sample counts; what is typed counts when it is left.
+#[derive(Default)]
+pub struct CountsField {
+    typed: String,
+    /// The state's counts when `typed` was last taken from it.
+    known: Option<String>,
+}
+
+impl CountsField {
+    /// Draws the field. `default` is what empty stands for.
+    pub fn ui(&mut self, ui: &mut Ui, name: &str, default: &str, counts: &mut String) {
+        if self.known.as_ref() != Some(counts) {
+            self.typed.clone_from(counts);
+            self.known = Some(counts.clone());
+        }
+        let label = ui.label(name);
+        let field = TextEdit::singleline(&mut self.typed).desired_width(76.0).hint_text(default);
+        let response = ui.add(field).labelled_by(label.id);
+        let response = response.on_hover_text(
+            "sample counts N: 1..16^2, 2^0..2^12 or a list such as 1,4,16; empty for the default",
+        );
+        if response.lost_focus() {
+            counts.clone_from(&self.typed);
+        }
+    }
 }
 
 impl StudyPanel {
@@ -22,7 +47,7 @@ impl StudyPanel {
         let mut command = None;
         ui.horizontal_wrapped(|ui| {
             samplers_menu(ui, &mut words);
-            self.counts_field(ui, &mut words);
+            self.counts.ui(ui, "counts", "1..16^2", &mut words.counts);
             number(ui, "M up to", DragValue::new(&mut words.trials).range(2..=1_000_000), |ui| {
                 ui.label("the most trials of each estimate");
             });
@@ -47,22 +72,6 @@ impl StudyPanel {
         }
         command
     }
-
-    fn counts_field(&mut self, ui: &mut Ui, words: &mut StudyWords) {
-        if self.known_counts.as_ref() != Some(&words.counts) {
-            self.counts.clone_from(&words.counts);
-            self.known_counts = Some(words.counts.clone());
-        }
-        let label = ui.label("counts");
-        let field = TextEdit::singleline(&mut self.counts).desired_width(90.0).hint_text("1..16^2");
-        let response = ui.add(field).labelled_by(label.id);
-        let response = response.on_hover_text(
-            "sample counts N: 1..16^2, 2^0..2^12 or a list such as 1,4,16; empty for the default",
-        );
-        if response.lost_focus() {
-            words.counts.clone_from(&self.counts);
-        }
-    }
 }
 
 fn number(ui: &mut Ui, words: &str, value: DragValue<'_>, hint: impl FnOnce(&mut Ui)) {
@@ -77,8 +86,7 @@ fn actions(ui: &mut Ui, model: &Model) -> Option<Command> {
             command = Some(wish);
         }
     };
-    let running = model.studies.iter().chain([&model.theory]).any(|study| study.running);
-    if running {
+    if model.is_busy() {
         button(ui, "Stop", "keep the curves as they are (Space)", Command::Stop);
     } else {
         button(ui, "Run again", "from the first trial (Space)", Command::Restart);
@@ -113,7 +121,7 @@ fn sampler_line(ui: &mut Ui, sampler: &dyn Sampler, words: &mut StudyWords) {
     let place = words.samplers.iter().position(|word| base(word));
     let mut chosen = place.is_some();
     let facts = sampler.facts();
-    let hint = format!("{}\n{}", facts.summary, facts.source);
+    let hint = format!("{}\nN = {}\n{}", facts.summary, facts.counts, facts.source);
     if ui.checkbox(&mut chosen, sampler.name()).on_hover_text(hint).changed() {
         match place {
             // One always remains.

@@ -32,9 +32,7 @@ pub fn ui(ui: &mut Ui, state: &State, model: &Model) -> Option<Wish> {
             wish = Some(Wish::Do(Command::ShowHelp(true)));
         }
         ui.separator();
-        for (page, words) in
-            [(Page::Pixel, "Pixel"), (Page::Theory, "Theory"), (Page::Trade, "Trade")]
-        {
+        for (page, words) in Page::ALL {
             if ui.selectable_label(state.page == page, words).clicked() {
                 wish = Some(Wish::Do(Command::ShowPage(page)));
             }
@@ -106,8 +104,14 @@ fn file_menu(ui: &mut Ui, state: &State) -> Option<Wish> {
         wish = Some(Wish::Do(Command::Reload));
     }
     ui.separator();
-    for dialog in [Dialog::save_picture(state), Dialog::save_curve(state), Dialog::open_line()] {
-        if ui.button(format!("{}… ({})", dialog.title(), dialog.key())).clicked() {
+    let mut dialogs = vec![Dialog::save_picture(state), Dialog::save_curve(state)];
+    if state.page == Page::Patterns {
+        dialogs.push(Dialog::save_discrepancies());
+    }
+    dialogs.push(Dialog::open_line());
+    for dialog in dialogs {
+        let key = dialog.key().map_or_else(String::new, |key| format!(" ({key})"));
+        if ui.button(format!("{}…{key}", dialog.title())).clicked() {
             wish = Some(Wish::Ask(dialog));
         }
     }

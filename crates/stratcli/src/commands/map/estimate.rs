@@ -12,10 +12,11 @@ use crate::output;
 use crate::table::{Align, columns, number};
 use anyhow::Result;
 use serde::Serialize;
-use std::fs::{self, OpenOptions};
+use std::fs::OpenOptions;
 use std::io::Write;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
+use stratcore::input::{self, MAX_DOCUMENT};
 use stratcore::map::{Header, MapStudy, ROW_BYTES, Shard};
 use stratcore::study::{Control, collect, thread_count};
 
@@ -211,14 +212,14 @@ fn key(hash: &str, shard: Shard, threads: usize) -> String {
 
 /// Lines that are none of ours, as after a full disk, are passed over.
 fn past(job: &Job) -> Vec<Past> {
-    let bytes = fs::read(file(job)).unwrap_or_default();
+    let text = input::read_text(&file(job), MAX_DOCUMENT).unwrap_or_default();
     let read = |line: &str| -> Option<Past> {
         let fields: Vec<_> = line.split(',').collect();
         let [plan, shard, threads, estimated, _, took] = *fields else { return None };
         let key = [plan, shard, threads].join(",");
         Some(Past { key, estimated: estimated.parse().ok()?, took: took.parse().ok() })
     };
-    String::from_utf8_lossy(&bytes).lines().filter_map(read).collect()
+    text.lines().filter_map(read).collect()
 }
 
 /// Remembers a line. An estimate or a map is worth having where it cannot be remembered.

@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use stratcore::input::{self, MAX_DOCUMENT};
 use stratcore::map::{
     Header, Identity, PixelReading, ROW_BYTES, Region, Summary, Tally, TileSet, read_tile,
 };
@@ -86,7 +87,7 @@ impl Output {
             Kind::Picture { points: true } => self.beside("points.csv").exists(),
             _ => true,
         };
-        let summary = fs::read(self.beside("json")).unwrap_or_default();
+        let summary = input::read(&self.beside("json"), MAX_DOCUMENT).unwrap_or_default();
         let found: Option<Hash> = serde_json::from_slice(&summary).ok();
         Ok(points_are_there && found.is_some_and(|found| found.hash == header.hash))
     }
@@ -103,7 +104,8 @@ pub fn read(output: &Output) -> Result<Found> {
     let json = output.beside("json");
     let fault = || format!("{} is no summary of a map; delete it", json.display());
     let mut found: Found =
-        serde_json::from_slice(&fs::read(&json).with_context(fault)?).with_context(fault)?;
+        serde_json::from_slice(&input::read(&json, MAX_DOCUMENT).with_context(fault)?)
+            .with_context(fault)?;
     for file in &mut found.files {
         *file = path.with_file_name(&*file);
     }

@@ -2,7 +2,7 @@
 //!
 //! The files are written anew after each claim, so that Ctrl-C keeps what was finished.
 
-use super::output::{create_folder, save_figure, write};
+use super::output::{create_folder, link_from_report, save_figure, write};
 use crate::cli::{Common, ReproduceArgs};
 use crate::commands::Outcome;
 use crate::output::{json, note, print, print_json};
@@ -11,7 +11,6 @@ use crate::report::literature::{self, PAGE, TITLE, Table};
 use crate::report::loglog;
 use crate::report::page::{self, Figure};
 use anyhow::{Context, Result};
-use std::fs;
 use std::path::Path;
 use stratcore::StudyError;
 use stratcore::literature::{Claim, Effort, LiteratureError, by_id, claims};
@@ -34,7 +33,7 @@ pub fn run(args: &ReproduceArgs, common: &Common) -> Result<Outcome> {
     let outcome = measure(&chosen, effort, args, common, &mut table, &mut figures)?;
     table.complete = outcome != Outcome::Interrupted;
     write_all(&args.out, &table, &figures)?;
-    link_from_report(&args.out)?;
+    link_from_report(&args.out, PAGE, TITLE)?;
     if common.json {
         print_json(&table)?;
     } else {
@@ -91,14 +90,4 @@ fn write_all(folder: &Path, table: &Table, figures: &[Figure]) -> Result<()> {
     write(&folder.join(PAGE), html.as_bytes())?;
     write(&folder.join("literature.csv"), literature::csv(table).as_bytes())?;
     write(&folder.join("literature.json"), json(table)?.as_bytes())
-}
-
-/// A report of the paper that is there already gets its link.
-fn link_from_report(folder: &Path) -> Result<()> {
-    let path = folder.join(page::NAME);
-    match fs::read_to_string(&path) {
-        Ok(report) => write(&path, page::with_link(&report, PAGE, TITLE).as_bytes()),
-        // There is none, or it is not ours to touch.
-        Err(_) => Ok(()),
-    }
 }

@@ -7,9 +7,11 @@ use crate::report::literature;
 use crate::report::page::{self, Figure};
 use crate::report::summary::Summary;
 use crate::report::svg::Svg;
+use crate::report::trade;
 use anyhow::{Context, Result};
 use std::fs;
 use std::path::{Path, PathBuf};
+use stratcore::input::{self, MAX_DATA};
 
 /// A report being written.
 pub struct Report {
@@ -40,8 +42,10 @@ impl Report {
     pub fn write(&mut self) -> Result<()> {
         self.summary.verdicts = verdicts(&self.summary);
         let mut page = page::render(&self.summary, &self.figures);
-        if self.folder.join(literature::PAGE).exists() {
-            page = page::with_link(&page, literature::PAGE, literature::TITLE);
+        for (file, title) in [(literature::PAGE, literature::TITLE), (trade::PAGE, trade::TITLE)] {
+            if self.folder.join(file).exists() {
+                page = page::with_link(&page, file, title);
+            }
         }
         write(&self.folder.join(page::NAME), page.as_bytes())?;
         let json = output::json(&self.summary)?;
@@ -51,6 +55,16 @@ impl Report {
     /// Where the page is.
     pub fn page(&self) -> PathBuf {
         self.folder.join(page::NAME)
+    }
+}
+
+/// A report of the paper that is there already gets its link to another page in the folder.
+pub fn link_from_report(folder: &Path, file: &str, title: &str) -> Result<()> {
+    let path = folder.join(page::NAME);
+    match input::read_text(&path, MAX_DATA) {
+        Ok(report) => write(&path, page::with_link(&report, file, title).as_bytes()),
+        // There is none, or it is not ours to touch.
+        Err(_) => Ok(()),
     }
 }
 

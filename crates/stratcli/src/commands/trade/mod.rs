@@ -1,25 +1,24 @@
 //! `trade`: what error costs how much time.
 
-mod csv;
 mod needed;
-mod words;
+mod pin;
 
 use super::Outcome;
+use super::reproduce::link_from_report;
 use crate::cli::{Common, TradeArgs};
 use crate::output::{self, AtomicFile};
 use crate::plan;
 use crate::progress::Progress;
 use crate::report::PlotFile;
-use crate::report::trade as figures;
+use crate::report::page;
+use crate::report::trade::{self as figures, csv, words};
 use anyhow::{Context, Result, ensure};
 use serde::Serialize;
 use std::time::Instant;
 use stratcore::integrand::{self, CATALOGUE, Integrand};
-use stratcore::map::Region;
-use stratcore::scene::Channel;
-use stratcore::study::StudyPlan;
+use stratcore::scene::{Channel, SceneError};
 use stratcore::trace::TracedScene;
-use stratcore::trade::{Subject, TradePlan, TradeResult, trade};
+use stratcore::trade::{Subject, TradeResult, trade};
 
 /// A trade as JSON.
 #[derive(Serialize)]
@@ -28,6 +27,8 @@ struct Document<'a> {
     about: &'a About,
     #[serde(flatten)]
     result: &'a TradeResult,
+    /// The core that times were measured on; none where the thread was free to move.
+    timed_on_core: Option<usize>,
     recommendations: &'a [String],
 }
 
@@ -58,7 +59,13 @@ pub fn run(args: &TradeArgs, common: &Common) -> Result<Outcome> {
          integrands`)",
         args.subject
     );
-    let scene = super::load(&args.subject, common)?;
+    let scene = super::load(&args.subject, common).map_err(|error| match error.downcast_ref() {
+        Some(SceneError::UnknownScene { .. }) => error.context(format!(
+            "{}: not an integrand (see `stratcli list integrands`)",
+            args.subject
+        )),
+        _ => error,
+    })?;
     if let Some(path) = &args.needed {
         return needed::run(scene, path, args, common);
     }
@@ -76,25 +83,7 @@ fn of_integrand(args: &TradeArgs, common: &Common) -> Result<Outcome> {
 }
 
 fn of_scene(scene: stratcore::scene::Scene, args: &TradeArgs, common: &Common) -> Result<Outcome> {
-    let [width, height] = scene.camera.resolution;
-    let region = match (&args.at, &args.region) {
-        (Some(at), _) => {
-            let [x, y] = plan::pixel(at)?;
-            ensure!(
-                x < width && y < height,
-                "--at {at}: outside the picture of {}, which is {width} × {height}",
-                scene.name
-            );
-            [x, y, x + 1, y + 1]
-        }
-        (None, Some(text)) => {
-            let region: Region = text.parse().context("--region")?;
-            region.check([width, height]).context("--region")?;
-            region.into()
-        }
-        (None, None) => [0, 0, width, height],
-    };
-    let pixels = lattice(region, args.lattice);
+    let (region, pixels) = plan::trade_pixels(args, &scene)?;
     let name = scene.name.clone();
     let title = match &args.at {
         Some(_) => format!("{name}, pixel {},{}", region[0], region[1]),
@@ -112,23 +101,6 @@ fn of_scene(scene: stratcore::scene::Scene, args: &TradeArgs, common: &Common) -
     measure(&about, &subjects, args, common)
 }
 
-/// At most `side` × `side` pixels, evenly over a region.
-fn lattice([x0, y0, x1, y1]: [u32; 4], side: u32) -> Vec<[u32; 2]> {
-    let along = |from: u32, to: u32| -> Vec<u32> {
-        let (length, cells) = (to - from, side.min(to - from));
-        let middle = |i: u32| (2 * u64::from(i) + 1) * u64::from(length) / (2 * u64::from(cells));
-        (0..cells).map(|i| from + middle(i) as u32).collect()
-    };
-    let columns = along(x0, x1);
-    along(y0, y1).into_iter().flat_map(|y| columns.iter().map(move |&x| [x, y])).collect()
-}
-
-/// Samples that measuring the errors takes.
-fn samples(plan: &StudyPlan, dim: usize, subjects: usize) -> Result<u64> {
-    let per_trial = plan.counts_used(dim)?.iter().flatten().fold(0u64, |s, n| s.saturating_add(*n));
-    Ok(per_trial.saturating_mul(plan.n_trials.into()).saturating_mul(subjects as u64))
-}
-
 fn measure(
     about: &About,
     subjects: &[Subject<'_>],
@@ -136,69 +108,63 @@ fn measure(
     common: &Common,
 ) -> Result<Outcome> {
     let dim = subjects.first().context("there are no pixels")?.integrand.dim();
-    let plan = TradePlan {
-        study: plan::trade_study_plan(args, common, dim)?,
-        targets: plan::targets(&args.targets)?,
-        eval_cost: args.eval_cost.as_deref().map(plan::duration_ns).transpose()?,
-    };
-    let csv = args.csv.as_deref().map(AtomicFile::create).transpose()?;
+    let plan = plan::trade_plan(args, common, dim)?;
+    let csv_file = args.csv.as_deref().map(AtomicFile::create).transpose()?;
     let plot = args.plot.as_deref().map(PlotFile::create).transpose()?;
-    let page = match &args.report {
+    let html_file = match &args.report {
         Some(folder) => {
             output::make_folder(folder, "--report")?;
-            let path = folder.join("trade.html");
-            Some((AtomicFile::create(&path)?, path))
+            let path = folder.join(figures::PAGE);
+            Some((AtomicFile::create(&path)?, path, folder))
         }
         None => None,
     };
-    let progress = Progress::new("measuring", samples(&plan.study, dim, subjects.len())?, common);
+    let progress =
+        Progress::new("measuring", plan::trade_samples(&plan.study, dim, subjects.len())?, common);
     let start = Instant::now();
+    let pinned = pin::to_one_core();
+    let core = pinned.core;
     let result = trade(subjects, &plan, &|| start.elapsed(), progress.control())?;
-    drop(progress);
+    drop((pinned, progress));
 
     let recommendations: Vec<_> =
         result.choices.iter().map(|choice| words::recommendation(choice, &result)).collect();
     let chart = figures::chart(&about.title, &result);
-    if let Some(file) = csv {
-        file.commit(csv::rows(about, &result).as_bytes())?;
+    if let Some(file) = csv_file {
+        let rows = csv::rows(about.scene.as_deref(), about.integrand.as_deref(), &result);
+        file.commit(rows.as_bytes())?;
     }
     if let Some(file) = plot {
         file.commit(&chart)?;
     }
-    let written = match page {
-        Some((file, path)) => {
+    let written = match html_file {
+        Some((file, path, folder)) => {
             let tables = words::tables(&result);
-            let html = figures::page(
+            let html = figures::render(
                 &about.title,
                 &chart,
                 &recommendations,
-                &words::method(&result),
+                &words::method(&result, core),
                 &tables,
+                folder.join(page::NAME).exists(),
             );
             file.commit(html.as_bytes())?;
+            link_from_report(folder, figures::PAGE, figures::TITLE)?;
             format!("\n{}\n", path.display())
         }
         None => String::new(),
     };
     if common.json {
         let recommendations = &recommendations;
-        output::print_json(Document { about, result: &result, recommendations })?;
+        output::print_json(Document {
+            about,
+            result: &result,
+            timed_on_core: core,
+            recommendations,
+        })?;
     } else {
-        let text = words::text(&about.title, &result, &recommendations);
+        let text = words::text(&about.title, &result, core, &recommendations);
         output::print(&(text + &written))?;
     }
     Ok(Outcome::Done)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_lattice_lies_evenly_in_its_region() {
-        assert_eq!(lattice([3, 4, 4, 5], 16), [[3, 4]]);
-        assert_eq!(lattice([0, 0, 3, 1], 16), [[0, 0], [1, 0], [2, 0]]);
-        let cells = lattice([10, 20, 110, 220], 4);
-        assert_eq!((cells.len(), cells[0], cells[15]), (16, [22, 45], [97, 195]));
-    }
 }

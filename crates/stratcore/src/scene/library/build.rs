@@ -25,7 +25,6 @@ impl Model {
             *material += first_material;
         }
         self.materials.extend(other.materials);
-        self.files.extend(other.files);
         self.join(mesh);
     }
 

@@ -19,8 +19,6 @@ pub struct Model {
     pub mesh: Mesh,
     /// What [`Mesh::materials`] indexes.
     pub materials: Vec<Material>,
-    /// The files that it was read from.
-    pub files: Vec<String>,
 }
 
 /// A scene that comes with the library.

@@ -1,6 +1,5 @@
 //! A trade as tidy CSV: one line per sampler and N.
 
-use super::About;
 use std::fmt::Write;
 use stratcore::trade::TradeResult;
 
@@ -8,14 +7,15 @@ const HEADER: &str = "scene,integrand,subjects,sampler,scramble,dim,n_used,trial
                       mse_hi,rmse,error95,ns_per_sample,ns_per_sample_lo,ns_per_sample_hi,\
                       generation_ns,fused,ns_per_estimate,efficiency,pareto";
 
-/// Numbers in full; a missing value, or one without bound, is empty.
-pub fn rows(about: &About, result: &TradeResult) -> String {
-    let quoted = |name: &Option<String>| match name {
+/// Numbers in full; a missing value, or one without bound, is empty. The trade was made in a scene
+/// or in an integrand.
+pub fn rows(scene: Option<&str>, integrand: Option<&str>, result: &TradeResult) -> String {
+    let quoted = |name: Option<&str>| match name {
         Some(name) => format!("\"{}\"", name.replace('"', "\"\"")),
         None => String::new(),
     };
     let cell = |value: f64| if value.is_finite() { value.to_string() } else { String::new() };
-    let (scene, integrand) = (quoted(&about.scene), quoted(&about.integrand));
+    let (scene, integrand) = (quoted(scene), quoted(integrand));
     let mut text = format!("{HEADER}\n");
     for sampler in &result.samplers {
         for row in &sampler.rows {

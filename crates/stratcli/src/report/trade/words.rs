@@ -1,7 +1,7 @@
 //! A trade as sentences and tables.
 
+use crate::report::chart::label;
 use crate::table::{Align, columns, number, short};
-use stratcore::sampler::Scramble;
 use stratcore::trade::{Choice, Quartiles, Reach, Target, TradeResult};
 
 /// A table with its head first.
@@ -26,29 +26,27 @@ pub fn target(target: Target) -> String {
     }
 }
 
-/// A sampler's name with its scramble.
-pub fn name(name: &str, scramble: Scramble) -> String {
-    match scramble {
-        Scramble::None => name.to_owned(),
-        _ => format!("{name} ({scramble})"),
-    }
-}
-
 fn of(reach: &Reach) -> String {
-    name(reach.name, reach.scramble)
+    label(reach.name, reach.scramble)
 }
 
 /// Which sampler, how many samples, how long; where the choice changes; and whether fresh runs
 /// agree.
 pub fn recommendation(choice: &Choice, result: &TradeResult) -> String {
     let wanted = target(choice.target);
+    if choice.error == 0.0 {
+        return format!(
+            "The mean is 0, and {wanted} of it too: name an error in the integrand's own unit, \
+             such as --targets 0.004."
+        );
+    }
     let Some((best, n, ns)) = choice.best.and_then(|i| {
         let reach = &choice.reach[i];
         Some((reach, reach.n_safe?, reach.ns?))
     }) else {
         return format!(
-            "No sampler reaches an error of {wanted} within the measured N or a line beyond them; \
-             ask for a larger error, or measure larger N with --counts."
+            "No sampler is seen to reach an error of {wanted} within the measured N or on a line \
+             beyond them; ask for a larger error, or measure larger N with --counts."
         );
     };
     let beyond = if best.extrapolated { ", beyond the measured N" } else { "" };
@@ -135,12 +133,12 @@ pub fn tables(result: &TradeResult) -> Vec<Table> {
             ]
         });
         let body = std::iter::once(head.map(str::to_owned).to_vec()).chain(rows).collect();
-        (name(sampler.name, sampler.scramble), body)
+        (label(sampler.name, sampler.scramble), body)
     });
     let choices = result.choices.iter().map(|choice| {
         let head = ["sampler", "N", "95 % interval", "N to take", "one estimate", "quartiles"];
         let rows = choice.reach.iter().map(|reach| {
-            let count = |n: Option<f64>| n.map_or("-".to_owned(), |n| number(n.ceil(), 4));
+            let count = |n: Option<f64>| n.map_or("-".to_owned(), |n| short(n.ceil(), 4));
             let mark = if reach.extrapolated { " (beyond)" } else { "" };
             vec![
                 of(reach),
@@ -162,16 +160,21 @@ pub fn tables(result: &TradeResult) -> Vec<Table> {
 }
 
 /// What was measured and how.
-pub fn method(result: &TradeResult) -> String {
+pub fn method(result: &TradeResult, core: Option<usize>) -> String {
+    let timing = &result.timing;
     let mut text = format!(
-        "d = {}, M = {} trials, seed {}, mean {} ± {}; times of one thread, unpinned: median and \
-         quartiles of 15 rounds, clock step {}",
+        "d = {}, M = {} trials, seed {}, mean {} ± {}; times of one thread, {}: median and \
+         quartiles of {} measurements of each row, by turns, each of {} or more after a warm-up; \
+         the clock's step is {}",
         result.dim,
         result.trials,
         result.seed,
         number(result.reference.mean, 6),
         number(result.reference.std_error, 2),
-        time(result.clock_step),
+        core.map_or("not pinned".to_owned(), |core| format!("pinned to core {core}")),
+        timing.rounds,
+        time(timing.at_least),
+        time(timing.clock_step),
     );
     if let Some(cost) = result.eval_cost {
         text += &format!("; one evaluation counts {}, with the points' own time", time(cost));
@@ -184,8 +187,13 @@ pub fn method(result: &TradeResult) -> String {
 }
 
 /// Everything as text.
-pub fn text(title: &str, result: &TradeResult, recommendations: &[String]) -> String {
-    let mut text = format!("{title}\n{}\n", method(result));
+pub fn text(
+    title: &str,
+    result: &TradeResult,
+    core: Option<usize>,
+    recommendations: &[String],
+) -> String {
+    let mut text = format!("{title}\n{}\n", method(result, core));
     for (title, rows) in tables(result) {
         text += &format!("\n{title}\n{}", columns(Align::Right, &rows));
     }
