@@ -12,19 +12,17 @@ fn open(data: &[u8]) -> bool {
     let text = String::from_utf8_lossy(data);
     match line::open(&text, &State::default()) {
         Ok(state) => {
-            // What was opened can be copied, and opens as the same.
-            let words = match state.page {
-                stratviz::state::Page::Theory => {
-                    line::integrand(&state.theory, &state.study, state.study.trials)
-                }
-                _ => {
-                    let pixel = state.pixels.first().copied().unwrap_or_default();
-                    line::pixel(&state, pixel, state.study.trials)
-                }
-            };
-            let copied = line::line(&words);
-            if let Err(fault) = line::open(&copied, &State::default()) {
-                panic!("{copied:?}: {fault}");
+            // What was opened can be copied.
+            let [x, y] = state.pixels.first().copied().unwrap_or_default();
+            for words in [
+                line::pixel(&state, [x, y], state.study.trials),
+                line::integrand(&state.theory, &state.study, state.study.trials),
+                line::points(&state),
+                line::spectrum(&state),
+                line::discrepancy(&state),
+                line::render(&state),
+            ] {
+                assert!(line::line(&words).starts_with("stratcli "));
             }
             true
         }

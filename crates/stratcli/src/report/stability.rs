@@ -66,7 +66,7 @@ impl Table {
 fn error(value: Option<f64>) -> String {
     match value {
         None => "–".to_owned(),
-        Some(x) if x == 0.0 => "0".to_owned(),
+        Some(0.0) => "0".to_owned(),
         Some(x) if x.is_finite() => number(x, 2),
         Some(x) if x.is_nan() => "not a number".to_owned(),
         Some(_) => "infinite".to_owned(),

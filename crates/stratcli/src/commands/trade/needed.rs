@@ -150,6 +150,8 @@ fn sampler_text(map: &NeedMap, pixels: f64) -> String {
          samples needed: {}, {} a pixel in the mean; uniform spp that give every pixel enough: \
          {}\n\
          pixels: {}; an exact one may hide a feature of up to {} of its area (95 %)\n  \
+         with the map:     {}\n  uniform, {} spp: {}\n\
+         of the pixels with more than one sample:\n  \
          with the map:     {}\n  uniform, {} spp: {}\n",
         label(map.sampler, map.scramble),
         map.total,
@@ -160,5 +162,8 @@ fn sampler_text(map: &NeedMap, pixels: f64) -> String {
         spread(&map.adaptive),
         map.uniform_spp,
         spread(&map.uniform),
+        spread(&map.adaptive_above_one),
+        map.uniform_spp,
+        spread(&map.uniform_above_one),
     )
 }
