@@ -55,8 +55,7 @@ pub fn run(args: &StudyFileArgs, common: &Common) -> Result<Outcome> {
     AtomicFile::create(&report)?.commit(page.as_bytes())?;
     let summary = StudySummary { study: &args.file, seed: common.seed, maps };
     let json = output::json(&summary)?;
-    AtomicFile::create(&args.output.join("summary.json"))?
-        .commit(json.as_bytes())?;
+    AtomicFile::create(&args.output.join("summary.json"))?.commit(json.as_bytes())?;
     if common.json {
         output::print(&json)?;
     } else {
