@@ -177,6 +177,27 @@ fn one_point_per_cell_of_the_grid() {
     }
 }
 
+/// Each pair of axes fills its grid, a last axis its slabs, and no two pairs go together.
+#[test]
+fn padded_cells_fill_every_pair() {
+    for (n, dim) in [(36, 2), (64, 4), (64, 5), (49, 3), (12, 5), (9, 1)] {
+        for trial in 0..20 {
+            let set = Set { trial, ..Set::named("jittered-padded", Scramble::None, n, dim) };
+            let points = set.points();
+            let [columns, rows] = [0, 1].map(|axis| strata_per_axis(n, 2)[axis]);
+            for pair in 0..dim / 2 {
+                let cells = points
+                    .chunks(dim)
+                    .map(|p| slab(p[2 * pair], columns) + columns * slab(p[2 * pair + 1], rows));
+                assert_filled(set, cells, n, 1);
+            }
+            if dim % 2 == 1 {
+                assert_filled(set, points.chunks(dim).map(|p| slab(p[dim - 1], n)), n, 1);
+            }
+        }
+    }
+}
+
 /// Strength 2: each of the p × p cells of each pair of axes, up to the p + 1 axes there are.
 #[test]
 fn orthogonal_arrays_fill_every_plane() {

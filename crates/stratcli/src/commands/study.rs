@@ -27,9 +27,7 @@ struct StudySummary<'a> {
 
 pub fn run(args: &StudyFileArgs, common: &Common) -> Result<Outcome> {
     let study = StudyFile::read(&args.file)?;
-    fs::create_dir_all(&args.output).with_context(|| {
-        format!("cannot make the folder {}; choose another with --output", args.output.display())
-    })?;
+    output::make_folder(&args.output, "--output")?;
     // Every fault of the file is found before the first map is made.
     let jobs = study
         .scenes()
@@ -57,7 +55,8 @@ pub fn run(args: &StudyFileArgs, common: &Common) -> Result<Outcome> {
     AtomicFile::create(&report)?.commit(page.as_bytes())?;
     let summary = StudySummary { study: &args.file, seed: common.seed, maps };
     let json = output::json(&summary)?;
-    AtomicFile::create(&args.output.join("summary.json"))?.commit(json.as_bytes())?;
+    AtomicFile::create(&args.output.join("summary.json"))?
+        .commit(json.as_bytes())?;
     if common.json {
         output::print(&json)?;
     } else {
