@@ -339,3 +339,19 @@ fn each_wrong_use_is_one_clear_line() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
     assert!(!Path::new("out.png").exists() && !Path::new("s.png").exists());
 }
+
+/// A torus shift moves no power and no wrap-around discrepancy: of a pattern there are as many
+/// different ones as patterns, of a grid there is one, without an error.
+#[test]
+fn a_torus_shift_is_no_other_set_where_it_changes_nothing() {
+    for (sampler, different) in [("poisson", 4), ("grid", 1), ("jittered+torus-shift", 30)] {
+        let spectrum = json(&format!("spectrum --samplers {sampler} -n 16 --trials 30 --cutoff 4"));
+        assert_eq!(spectrum["samplers"][0]["trials"], different, "{sampler}");
+        let found = json(&format!(
+            "discrepancy --samplers {sampler} --counts 16 --trials 30 --measure wrap-around,centred"
+        ));
+        let row = |curve: usize| &found["curves"][curve]["rows"][0];
+        assert_eq!((&row(0)["trials"], &row(1)["trials"]), (&different.into(), &30.into()));
+        assert_eq!(row(0)["std_error"].is_null(), different == 1, "{sampler}");
+    }
+}

@@ -174,6 +174,10 @@ fn the_map_gives_every_pixel_its_error_and_uniform_samples_do_not() {
     eprintln!("{:?} {:?}", found.adaptive, found.uniform);
     assert!(found.adaptive.above < 0.05 && found.uniform.above > 2.0 * found.adaptive.above);
     assert!((0.5..1.1).contains(&found.adaptive.rms), "{}", found.adaptive.rms);
+    // Flat: but for the pixels that one sample serves, errors lie within the rounding to squares.
+    let (flat, uneven) = (&found.adaptive_above_one, &found.uniform_above_one);
+    assert!(flat.percentiles[0] > 0.25 && flat.percentiles[2] < 1.3, "{flat:?}");
+    assert!(uneven.percentiles[2] > 1.5 * flat.percentiles[2], "{flat:?} {uneven:?}");
     assert!(found.uniform.rms > 1.2 * found.adaptive.rms);
 }
 

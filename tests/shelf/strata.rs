@@ -1,7 +1,7 @@
 //! Where points must lie: in the cube, in their strata, in the elementary intervals of nets.
 
-use crate::{Set, every_set};
-use stratcore::sampler::{SHELF, Scramble, by_name, strata_per_axis};
+use crate::{Set, every_random_set, every_set};
+use stratcore::sampler::{Admissible, SHELF, Scramble, by_name, strata_per_axis};
 
 #[test]
 fn coordinates_are_in_the_unit_interval_and_any_run_equals_the_whole() {
@@ -44,6 +44,75 @@ fn the_largest_sets_end_inside_the_cube() {
                     axis.dedup();
                     assert!(axis.len() >= 59, "{set}: {} different", axis.len());
                 }
+            }
+        }
+    }
+}
+
+/// What a sampler says of its N is what it does: a count that it has not lies between neighbours
+/// that it has, with none nearer, and the words of `list samplers` name the largest.
+#[test]
+fn counts_are_as_stated() {
+    let odd =
+        [1 << 20, (1 << 31) + 1, 1 << 32, (1 << 32) + 1, (1 << 44) - 1, 1 << 44, u64::MAX - 1];
+    for sampler in SHELF {
+        let facts = sampler.facts();
+        for dim in [1, 2, 3, 4, 5, 9, 64, 1024].into_iter().filter(|d| *d <= facts.max_dim) {
+            for n in (0..200).chain(odd) {
+                let what = format!("{} N = {n} d = {dim}", facts.name);
+                let (below, above) = sampler.neighbours(n, dim);
+                if !sampler.admits(n, dim, false) {
+                    assert!(below.is_none_or(|b| b < n && sampler.admits(b, dim, false)), "{what}");
+                    assert!(above.is_none_or(|a| a > n && sampler.admits(a, dim, false)), "{what}");
+                    let nearer = (below.map_or(0, |b| b + 1)..n).rev().take(300);
+                    assert!(nearer.into_iter().all(|n| !sampler.admits(n, dim, false)), "{what}");
+                    let last = above.map_or(n, |a| a - 1);
+                    let nearer = (n + 1..=last).take(300);
+                    assert!(nearer.into_iter().all(|n| !sampler.admits(n, dim, false)), "{what}");
+                }
+            }
+            if let Admissible::UpTo(most) = facts.counts
+                && sampler.neighbours(0, dim).1.is_some()
+            {
+                assert!(sampler.admits(1, dim, true) && sampler.admits(most, dim, true));
+                assert!(!sampler.admits(0, dim, true) && !sampler.admits(most + 1, dim, true));
+            }
+        }
+        let words = facts.counts.to_string();
+        assert!(!words.is_empty() && words.is_ascii(), "{}: {words}", facts.name);
+    }
+}
+
+/// In many dimensions: coordinates in the cube, each of the axes with the mean 1/2. The mean over
+/// M = 300 trials of a mean of N points has a standard error of its own; 5.5 of them, over some
+/// 15,000 axes, are a false alarm for one seed in a thousand.
+#[test]
+fn many_dimensions_are_each_uniform() {
+    const TRIALS: u32 = 300;
+    for dim in [64, 1024] {
+        for set in every_random_set(4, dim) {
+            // An orthogonal array has too many points here.
+            if set.n * dim as u64 > 1 << 17 || dim > 64 && set.scramble == Scramble::TorusShift {
+                continue;
+            }
+            let mut sums = vec![[0.0; 2]; dim];
+            for trial in 0..TRIALS {
+                let points = Set { trial, ..set }.points();
+                assert!(points.iter().all(|x| (0.0..1.0).contains(x)), "{set}");
+                for (axis, sums) in sums.iter_mut().enumerate() {
+                    let mean: f64 =
+                        points.iter().skip(axis).step_by(dim).sum::<f64>() / set.n as f64;
+                    sums[0] += mean;
+                    sums[1] += mean * mean;
+                }
+            }
+            let m = f64::from(TRIALS);
+            for (axis, [sum, squares]) in sums.into_iter().enumerate() {
+                let mean = sum / m;
+                // A lattice is exact for a fold: no error but rounding.
+                let error = ((squares / m - mean * mean).max(0.0) / (m - 1.0)).sqrt();
+                let off = (mean - 0.5).abs();
+                assert!(off < 5.5 * error + 1e-9, "{set}, axis {axis}: {mean} ± {error}");
             }
         }
     }
@@ -103,6 +172,27 @@ fn one_point_per_cell_of_the_grid() {
                     p.iter().zip(&strata).rev().fold(0, |cell, (x, k)| cell * k + slab(*x, *k))
                 });
                 assert_filled(set, cells, n, 1);
+            }
+        }
+    }
+}
+
+/// Each pair of axes fills its grid, a last axis its slabs, and no two pairs go together.
+#[test]
+fn padded_cells_fill_every_pair() {
+    for (n, dim) in [(36, 2), (64, 4), (64, 5), (49, 3), (12, 5), (9, 1)] {
+        for trial in 0..20 {
+            let set = Set { trial, ..Set::named("jittered-padded", Scramble::None, n, dim) };
+            let points = set.points();
+            let [columns, rows] = [0, 1].map(|axis| strata_per_axis(n, 2)[axis]);
+            for pair in 0..dim / 2 {
+                let cells = points
+                    .chunks(dim)
+                    .map(|p| slab(p[2 * pair], columns) + columns * slab(p[2 * pair + 1], rows));
+                assert_filled(set, cells, n, 1);
+            }
+            if dim % 2 == 1 {
+                assert_filled(set, points.chunks(dim).map(|p| slab(p[dim - 1], n)), n, 1);
             }
         }
     }

@@ -1,13 +1,15 @@
 //! Faults of other tools, one test each, named after the fault.
 
 use crate::{Set, every_random_set, every_set, variance};
-use std::process::Command;
+use std::process::{Command, Output};
 use std::sync::atomic::AtomicBool;
 use stratcore::integrand;
 use stratcore::rng::StreamKey;
-use stratcore::sampler::{CountPolicy, PointSet, Random, SHELF, Sampler, Scramble, by_name, check};
+use stratcore::sampler::{
+    Admissible, CountPolicy, PointSet, Random, SHELF, Sampler, Scramble, by_name, check,
+};
 use stratcore::scene::{self, Channel, Light, Material, Mesh};
-use stratcore::study::{Control, StudyPlan};
+use stratcore::study::{Control, SamplerChoice, StudyPlan};
 use stratcore::trace::{TracedScene, Tracer};
 use stratcore::trial::trial_means;
 
@@ -227,10 +229,16 @@ fn trap_misses_that_are_no_samples() {
     }
 }
 
-/// A prime N made one row of N strata without a word: the row says which strata it used.
+/// A prime N made one row of N strata without a word: the row says which strata it used, for
+/// every sampler that has them.
 #[test]
 fn trap_strata_of_a_prime_count_unsaid() {
+    let cells = SHELF.iter().filter(|s| s.facts().counts == Admissible::Cells);
+    let samplers: Vec<_> =
+        cells.map(|s| SamplerChoice { sampler: *s, scramble: s.scrambles()[0] }).collect();
+    assert!(samplers.len() >= 3);
     let plan = StudyPlan {
+        samplers,
         counts: vec![7, 12],
         count_policy: CountPolicy::Rect,
         n_trials: 2,
@@ -238,12 +246,18 @@ fn trap_strata_of_a_prime_count_unsaid() {
     };
     let ramp = integrand::by_name("ramp", None, &[]).unwrap();
     let result = stratcore::study(&*ramp, [0, 0], &plan, Control::unwatched()).unwrap();
-    let strata: Vec<_> = result.samplers[1].rows.iter().map(|row| row.strata.clone()).collect();
-    assert_eq!(strata, [Some(vec![7, 1]), Some(vec![4, 3])]);
+    for sampler in &result.samplers {
+        let strata: Vec<_> = sampler.rows.iter().map(|row| row.strata.clone()).collect();
+        assert_eq!(strata, [Some(vec![7, 1]), Some(vec![4, 3])], "{}", sampler.name);
+    }
+}
+
+fn run(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_stratcli")).args(arguments).output().unwrap()
 }
 
 fn stratcli(arguments: &[&str]) -> serde_json::Value {
-    let output = Command::new(env!("CARGO_BIN_EXE_stratcli")).args(arguments).output().unwrap();
+    let output = run(arguments);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     serde_json::from_slice(&output.stdout).unwrap()
 }
@@ -262,20 +276,84 @@ fn trap_scene_file_that_is_edited() {
     assert_eq!(std::fs::read_dir(dir.path()).unwrap().count(), 1);
 }
 
-/// A seed drawn from the machine and told to nobody; a file called one thing that holds
-/// another: a variance that is per sample, a mean square that is a variance, a ratio to the mean
-/// that should be to its square. What is written says which seed, and has no such names.
+/// A seed drawn from the machine and told to nobody: without `--seed` two runs give the same
+/// bytes, and the seed stands in them.
 #[test]
-fn trap_seeds_untold_and_numbers_mislabelled() {
+fn trap_seeds_untold() {
     let arguments = ["integrand", "step", "--counts", "1,4", "--trials", "5", "--json"];
     let result = stratcli(&arguments);
     assert_eq!(result, stratcli(&arguments));
     assert_eq!(result["seed"], 1996);
+    let points = stratcli(&["points", "--sampler", "random", "-n", "3", "--json"]);
+    assert_eq!(points["seed"], 1996);
+}
+
+/// A column whose name does not say which variance, or that divides by the mean where its square
+/// is meant: none has such a name, and what an error relative to the mean needs does not change
+/// with the integrand's unit. A ramp ten times as steep has ten times the mean and the error.
+#[test]
+fn trap_relative_variance_over_the_mean() {
+    let trade = |slope: &str| {
+        let plan = ["--counts", "1,4,16,64", "--trials", "20", "--targets", "10%", "--json"];
+        stratcli(&[&["trade", "ramp", "--set", slope][..], &plan].concat())
+    };
+    let [one, ten] = ["slope=1", "slope=10"].map(trade);
+    for sampler in [0, 1] {
+        let [a, b] = [&one, &ten]
+            .map(|result| result["choices"][0]["reach"][sampler]["n"].as_f64().unwrap());
+        assert!((a / b - 1.0).abs() < 1e-9, "{a} {b}");
+    }
+    let result = stratcli(&["integrand", "step", "--counts", "1,4", "--trials", "5", "--json"]);
     let row = result["samplers"][0]["rows"][0].as_object().unwrap();
     assert!(row.contains_key("variance_of_mean"), "{row:?}");
-    for vague in ["variance", "error", "mse", "rmse", "relative_variance"] {
+    for vague in ["variance", "error", "relative_variance"] {
         assert!(!row.contains_key(vague), "{vague}");
     }
+}
+
+/// A mean square error with divisor K - 1, or a variance by that name: what `trade` calls `mse`
+/// is the plain mean over trials of the squared distance from the reference, (M - 1)/M s² and
+/// the square of the bias.
+#[test]
+fn trap_mean_square_that_is_a_variance() {
+    let plan = ["--counts", "4,16", "--trials", "3", "--json"];
+    let trade = stratcli(&[&["trade", "step"][..], &plan].concat());
+    let study = stratcli(&[&["integrand", "step"][..], &plan].concat());
+    let reference = study["reference"]["mean"].as_f64().unwrap();
+    for (sampler, row) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+        let of = |document: &serde_json::Value, name: &str| {
+            document["samplers"][sampler]["rows"][row][name].as_f64().unwrap()
+        };
+        let bias = of(&study, "grand_mean") - reference;
+        let expected = of(&study, "variance_of_mean") * 2.0 / 3.0 + bias * bias;
+        let measured = of(&trade, "mse");
+        assert!((measured / expected - 1.0).abs() < 1e-12, "{measured} {expected}");
+    }
+}
+
+/// Sets of a binary file that are all the first: as trials they would have variance zero. Two
+/// sets come out of a file as two, and a file that repeats one is refused.
+#[test]
+fn trap_binary_sets_that_are_all_the_first() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("sets.dat");
+    let sampler = format!("file:{}", path.to_str().unwrap());
+    let points =
+        |more: &[&str]| run(&[&["points", "--sampler", &sampler, "-n", "2"], more].concat());
+    let write = |sets: [[f64; 4]; 2]| {
+        let mut bytes = b"UTK!\x05\0\0\0".to_vec();
+        bytes.extend([2u32, 2, 2].map(u32::to_le_bytes).concat());
+        bytes.extend(sets.concat().into_iter().flat_map(f64::to_le_bytes));
+        std::fs::write(&path, bytes).unwrap();
+    };
+    let [a, b] = [[0.5, 0.25, 0.125, 0.75], [0.1, 0.2, 0.3, 0.4]];
+    write([a, b]);
+    let read = String::from_utf8(points(&["--sets", "2", "--format", "utk"]).stdout).unwrap();
+    assert_eq!(read, "0.5 0.25\n0.125 0.75\n#\n0.1 0.2\n0.3 0.4\n");
+    write([a, a]);
+    let refused = points(&[]);
+    let error = String::from_utf8_lossy(&refused.stderr);
+    assert!(!refused.status.success() && error.contains("sets 1 and 2 are identical"), "{error}");
 }
 
 /// Squares of some discrepancies among roots of others: functions that give squares say so in

@@ -1,5 +1,5 @@
-//! What the command line shares with the explorer: words and their meaning, figures, pictures,
-//! tables, and files that appear whole or not at all.
+//! What the command line shares with the explorer and with tests: words and their meaning,
+//! `study.toml`, figures, pictures, tables, and files that appear whole or not at all.
 #![allow(missing_docs, reason = "only our own tools read it; a word's meaning is its help text")]
 
 #[allow(missing_docs, reason = "the comments of its fields are the help that users read")]
@@ -8,4 +8,5 @@ pub mod output;
 pub mod picture;
 pub mod plan;
 pub mod report;
+pub mod study_file;
 pub mod table;

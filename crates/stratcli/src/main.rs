@@ -9,7 +9,7 @@ mod progress;
 use clap::Parser;
 use clap::error::ErrorKind;
 use std::process::ExitCode;
-use stratcli::{cli, output, picture, plan, report, table};
+use stratcli::{cli, output, picture, plan, report, study_file, table};
 use stratcore::StudyError;
 
 fn main() -> ExitCode {

@@ -9,7 +9,7 @@ pub use patterns::{
 };
 pub use trade::{trade_pixels, trade_plan, trade_samples};
 
-use crate::cli::{Common, NPolicy, ProtocolArgs, StudiedChannel, TracerChoice, TradeArgs};
+use crate::cli::{Common, NPolicy, ProtocolArgs, StudiedChannel, TracerChoice};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use serde::Serialize;
 use std::fmt;
@@ -24,31 +24,13 @@ use stratcore::{StudyError, StudyResult};
 
 /// The plan of a study of an integrand with `dim` dimensions.
 pub fn study_plan(args: &ProtocolArgs, common: &Common, dim: usize) -> Result<StudyPlan> {
-    let ProtocolArgs { samplers, counts, n_policy, trials } = args;
-    plan_of(samplers, counts.as_deref(), *n_policy, *trials, common, dim)
-}
-
-/// The plan by which a trade measures errors.
-pub fn trade_study_plan(args: &TradeArgs, common: &Common, dim: usize) -> Result<StudyPlan> {
-    let TradeArgs { samplers, counts, n_policy, trials, .. } = args;
-    plan_of(samplers, counts.as_deref(), *n_policy, *trials, common, dim)
-}
-
-fn plan_of(
-    names: &[String],
-    counts_text: Option<&str>,
-    policy: NPolicy,
-    n_trials: u32,
-    common: &Common,
-    dim: usize,
-) -> Result<StudyPlan> {
-    let samplers = samplers(names, None)?;
-    let count_policy = policy.into();
+    let samplers = samplers(&args.samplers, None)?;
+    let count_policy = args.n_policy.into();
     Ok(StudyPlan {
-        counts: counts(counts_text, &samplers, dim, count_policy)?,
+        counts: counts(args.counts.as_deref(), &samplers, dim, count_policy)?,
         samplers,
         count_policy,
-        n_trials,
+        n_trials: args.trials,
         seed: common.seed,
     })
 }
@@ -77,17 +59,16 @@ impl From<NPolicy> for CountPolicy {
 
 /// `--samplers A,B+owen`, and a scramble for those that name none.
 pub fn samplers(names: &[String], scramble: Option<&str>) -> Result<Vec<SamplerChoice>> {
+    names.iter().map(|name| sampler("--samplers", name, scramble)).collect()
+}
+
+/// `--sampler A+owen`, or what the flag is called, and a scramble if it names none.
+pub fn sampler(flag: &'static str, name: &str, scramble: Option<&str>) -> Result<SamplerChoice> {
     let scramble = scramble.map(str::parse::<Scramble>).transpose().context("--scramble")?;
-    let choice = |name: &String| {
-        let name = name.trim();
-        let named = name.rsplit_once('+').is_some_and(|(_, s)| s.parse::<Scramble>().is_ok());
-        let choice = SamplerChoice::named(name)?;
-        Ok(SamplerChoice {
-            scramble: scramble.filter(|_| !named).unwrap_or(choice.scramble),
-            ..choice
-        })
-    };
-    names.iter().map(choice).collect::<Result<_, StudyError>>().context("--samplers")
+    let name = name.trim();
+    let named = name.rsplit_once('+').is_some_and(|(_, s)| s.parse::<Scramble>().is_ok());
+    let choice = SamplerChoice::named(name).context(flag)?;
+    Ok(SamplerChoice { scramble: scramble.filter(|_| !named).unwrap_or(choice.scramble), ..choice })
 }
 
 /// A fault of the sampler about `--spp`, which knows no policy.
@@ -137,7 +118,7 @@ pub fn duration_ns(text: &str) -> Result<f64> {
     let units = [("ns", 1.0), ("us", 1e3), ("µs", 1e3), ("ms", 1e6), ("s", 1e9)];
     let read = units.iter().find_map(|(unit, ns)| {
         let value: f64 = text.trim().strip_suffix(unit)?.trim().parse().ok()?;
-        (value.is_finite() && value >= 0.0).then_some(value * ns)
+        Some(value * ns).filter(|ns| ns.is_finite() && *ns >= 0.0)
     });
     read.with_context(|| format!("--eval-cost {text}: not a time; write 40ns, 1us, 2ms or 1s"))
 }

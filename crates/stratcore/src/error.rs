@@ -18,6 +18,14 @@ pub enum StudyError {
         /// Words naming the nearest counts that exist.
         neighbours: String,
     },
+    /// A sampler has no set in so few dimensions.
+    #[error("{sampler} has no sets in {dim} dimensions, whatever N")]
+    NoSets {
+        /// Sampler's name.
+        sampler: &'static str,
+        /// Dimensions asked for.
+        dim: usize,
+    },
     /// More dimensions than the sampler is defined for.
     #[error("{sampler} is defined up to {max_dim} dimensions, not for {dim}")]
     TooManyDimensions {
@@ -171,6 +179,14 @@ pub enum StudyError {
         dim: usize,
         /// The most coordinates.
         limit: u64,
+    },
+    /// More axes than can be told apart at a bearable cost.
+    #[error("what {dim} axes are needed for is not worked out beyond {limit} of them")]
+    TooManyAxes {
+        /// Dimensions of the integrand.
+        dim: usize,
+        /// The most.
+        limit: usize,
     },
     /// The caller asked to stop.
     #[error("cancelled")]

@@ -12,10 +12,13 @@
 
 pub mod beam;
 pub mod counts;
+pub mod dimensions;
 pub mod discrepancy;
+mod double;
 pub mod error;
 pub mod exact;
 pub mod fit;
+pub mod input;
 pub mod integrand;
 pub mod literature;
 pub mod map;
@@ -25,6 +28,7 @@ pub mod sampler;
 pub mod scene;
 pub mod simd;
 pub mod spectrum;
+pub mod stability;
 pub mod study;
 pub mod theory;
 pub mod trace;

@@ -117,19 +117,54 @@ impl Stream {
         unit_pair(self.draw(index))
     }
 
-    /// The pairs to be written to `pairs`, row-major, fewer than 2^32 from index `first` on, in
-    /// two runs: the stream changes where the index outgrows 32 bits. With each run, its first
-    /// index and its draws.
-    pub(crate) fn runs<'a>(
+    /// Overwrites `pairs`, row-major, fewer than 2^32 of them, with the pairs from index `first`
+    /// on, each as `map` has it.
+    #[inline(always)]
+    pub(crate) fn fill<const FMA: bool>(&self, first: u64, pairs: &mut [f64], map: impl PairMap) {
+        /// Pairs behind the last whole block are made so many at a time, the last ones with
+        /// some to spare.
+        const SHORT: usize = 16;
+        let (pairs, _) = pairs.as_chunks_mut();
+        // The stream changes where the index outgrows 32 bits.
+        let before = (1 << 32) - (first & 0xffff_ffff);
+        let split = usize::try_from(before).unwrap_or(usize::MAX).min(pairs.len());
+        let (head, tail) = pairs.split_at_mut(split);
+        for (mut first, run) in [(first, head), (first + before, tail)] {
+            let (blocks, rest) = run.as_chunks_mut();
+            for block in blocks {
+                self.fill_block::<FMA, BLOCK>(first, block, map);
+                first += BLOCK as u64;
+            }
+            for rest in rest.chunks_mut(SHORT) {
+                let mut block = [[0.0; 2]; SHORT];
+                self.fill_block::<FMA, SHORT>(first, &mut block, map);
+                rest.copy_from_slice(&block[..rest.len()]);
+                first += SHORT as u64;
+            }
+        }
+    }
+
+    /// A block of known length: its loops are straight lines of vectors. All words are drawn
+    /// first, in vectors of twice as many lanes as numbers have.
+    #[inline(always)]
+    fn fill_block<const FMA: bool, const LEN: usize>(
         &self,
         first: u64,
-        pairs: &'a mut [f64],
-    ) -> [(u64, Draws, &'a mut [f64]); 2] {
-        let before = (1 << 32) - (first & 0xffff_ffff);
-        let split = usize::try_from(2 * before).unwrap_or(usize::MAX).min(pairs.len());
-        let (head, tail) = pairs.split_at_mut(split);
-        [(first, head), (first + before, tail)]
-            .map(|(first, run)| (first, Draws { arguments: self.arguments(first) }, run))
+        pairs: &mut [[f64; 2]; LEN],
+        map: impl PairMap,
+    ) {
+        let [low, second, third] = self.arguments(first);
+        let mut words = [[0; LEN]; 3];
+        let [a, b, c] = &mut words;
+        for (lane, ((a, b), c)) in (0..u32::MAX).zip(a.iter_mut().zip(b).zip(c)) {
+            [*a, *b, *c] = pcg3d([low.wrapping_add(lane), second, third]);
+        }
+        let [a, b, c] = &words;
+        let words = a.iter().zip(b).zip(c);
+        let first = first as f64;
+        for (lane, (pair, ((a, b), c))) in (0..u32::MAX).zip(pairs.iter_mut().zip(words)) {
+            *pair = map.map::<FMA>(first + f64::from(lane), unit_pair([*a, *b, *c]));
+        }
     }
 
     /// Three random words: draw number `index` of the stream.
@@ -150,40 +185,10 @@ impl Stream {
     }
 }
 
-/// Consecutive draws of a stream.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Draws {
-    arguments: [u32; 3],
-}
-
-impl Draws {
-    /// The pairs of a block: of the first index plus `lane ..`, at least `len` of them. The
-    /// words are drawn first, in vectors of twice as many lanes as numbers have.
-    #[inline(always)]
-    pub(crate) fn block(self, lane: u32, len: usize) -> Block {
-        let [low, second, third] = self.arguments;
-        let mut words = [[0; BLOCK]; 3];
-        let [a, b, c] = &mut words;
-        // Whole vectors leave no rest.
-        let len = len.next_multiple_of(16).min(BLOCK);
-        let lanes = (0..u32::MAX).zip(a[..len].iter_mut().zip(b).zip(c));
-        for (i, ((a, b), c)) in lanes {
-            [*a, *b, *c] = pcg3d([low.wrapping_add(lane).wrapping_add(i), second, third]);
-        }
-        Block(words)
-    }
-}
-
-/// Draws of a block of indices: all first words, all second, all third.
-pub(crate) struct Block([[u32; BLOCK]; 3]);
-
-impl Block {
-    /// Their pairs, in order.
-    #[inline(always)]
-    pub(crate) fn pairs(&self) -> impl Iterator<Item = [f64; 2]> {
-        let [a, b, c] = &self.0;
-        a.iter().zip(b).zip(c).map(|((a, b), c)| unit_pair([*a, *b, *c]))
-    }
+/// What a pair of a stream becomes before it is stored, in a [`Loop`](crate::simd::Loop).
+pub(crate) trait PairMap: Copy {
+    /// Of the pair and its index, a whole number.
+    fn map<const FMA: bool>(self, index: f64, pair: [f64; 2]) -> [f64; 2];
 }
 
 /// Two numbers of 48 bits from three words.

@@ -41,8 +41,7 @@ impl Moments {
         let mean = pivot + shift;
         let deviation = |x: &f64| (x - pivot) - shift;
         let largest = values.iter().map(|x| deviation(x).abs()).fold(0.0, f64::max);
-        // Subnormal deviations have no such unit; they stay as they are.
-        let unit = if largest >= f64::MIN_POSITIVE { largest.log2().floor().exp2() } else { 1.0 };
+        let unit = if largest > 0.0 { largest.log2().floor().exp2() } else { 1.0 };
         let power = |n| neumaier_sum(values.iter().map(|x| (deviation(x) / unit).powi(n)));
         Self::from_sums(values.len() as u64, mean, unit, [power(2), power(3), power(4)])
     }
@@ -50,8 +49,9 @@ impl Moments {
     /// From sums of the second, third and fourth powers of deviations in `unit`s.
     fn from_sums(count: u64, mean: f64, unit: f64, [second, third, fourth]: [f64; 3]) -> Self {
         let m = count as f64;
-        // A trial mean is a rounded number: equal trials may differ in their last bit or two.
-        let rounding = 2.0 * f64::EPSILON * mean.abs();
+        // A trial mean is a rounded number: equal trials may differ in their last bit or two,
+        // which for subnormal means is the smallest number there is.
+        let rounding = (2.0 * f64::EPSILON * mean.abs()).max(f64::from_bits(2));
         if second == 0.0 || (second / (m - 1.0)).sqrt() * unit <= rounding {
             return Self { count, mean, ..Self::default() };
         }
@@ -183,6 +183,11 @@ mod tests {
         let tiny = Moments::of(&[0.0, 1e-200, 0.0]);
         assert!(tiny.variance == 0.0 && tiny.is_out_of_range());
         assert!(Moments::of(&[0.0, 1e160]).is_out_of_range());
+        // Subnormal numbers that differ are no less different; in their last bit they are equal.
+        let subnormal = Moments::of(&[0.0, 1e-310, 0.0]);
+        assert!(subnormal.variance == 0.0 && subnormal.is_out_of_range());
+        assert!(Moments::of(&[1e-312, 5e-320, 3e-316]).is_out_of_range());
+        assert!(!Moments::of(&[1e-320, 1e-320f64.next_up()]).is_out_of_range());
         assert!(!Moments::of(&[0.5, 0.5]).is_out_of_range());
     }
 

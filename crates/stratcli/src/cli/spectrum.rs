@@ -17,7 +17,8 @@ pub struct SpectrumArgs {
     /// Scramble of the samplers that name none themselves
     #[arg(long, value_name = "R")]
     pub scramble: Option<String>,
-    /// Periodograms to average, M: point sets, or pictures of a scene [default: 50, or 4]
+    /// Periodograms to average, M: point sets, or pictures of a scene [default: 50; all of
+    /// a file; 4 pictures]
     #[arg(long, value_name = "M", value_parser = clap::value_parser!(u32).range(1..))]
     pub trials: Option<u32>,
     /// Points in a set [default: 256; a file's first count]

@@ -1,10 +1,11 @@
 //! The words of `trade`.
 
-use super::NPolicy;
+use super::ProtocolArgs;
 use clap::Args;
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
+#[command(mut_arg("trials", |arg| arg.default_value("100")))]
 pub struct TradeArgs {
     /// A scene (a file, an .obj, or a built-in one) or the name of an integrand
     #[arg(value_name = "SCENE|NAME")]
@@ -24,18 +25,8 @@ pub struct TradeArgs {
     /// A parameter of an integrand; may be given many times
     #[arg(long, value_name = "NAME=VALUE", allow_hyphen_values = true, conflicts_with = "at")]
     pub set: Vec<String>,
-    /// Samplers to compare, a scramble after a plus sign
-    #[arg(long, value_name = "A,B", value_delimiter = ',', default_value = "random,jittered")]
-    pub samplers: Vec<String>,
-    /// Independent repeats of each estimate, M
-    #[arg(long, value_name = "M", default_value_t = 100)]
-    pub trials: u32,
-    /// Sample counts N [default: 1..16^2; in d > 2 dimensions 1..k^d, up to 10,000]
-    #[arg(long, value_name = "COUNTS")]
-    pub counts: Option<String>,
-    /// What to do with an N that a sampler cannot make
-    #[arg(long, value_enum, value_name = "POLICY", default_value_t = NPolicy::Error)]
-    pub n_policy: NPolicy,
+    #[command(flatten)]
+    pub protocol: ProtocolArgs,
     /// Errors to reach: shares of the mean (1%), or in the integrand's unit (0.004)
     #[arg(
         long,

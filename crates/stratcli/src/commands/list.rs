@@ -10,6 +10,7 @@ use stratcore::discrepancy::Measure;
 use stratcore::integrand::{CATALOGUE, IntegrandInfo, ParamInfo};
 use stratcore::sampler::{Facts, Kind, SHELF, Sampler, Scramble};
 use stratcore::scene::library::SCENES;
+use stratcore::stability::FAMILIES;
 
 #[derive(Serialize)]
 struct SamplerEntry {
@@ -19,6 +20,8 @@ struct SamplerEntry {
     kind: Kind,
     /// None where there is no limit.
     max_dim: Option<usize>,
+    /// The N it has, in words.
+    counts: String,
     scrambles: &'static [Scramble],
 }
 
@@ -40,8 +43,9 @@ struct ParamEntry {
     meaning: &'static str,
 }
 
+/// What has a name and one line of help.
 #[derive(Serialize)]
-struct SceneEntry {
+struct NamedEntry {
     name: &'static str,
     summary: &'static str,
 }
@@ -61,9 +65,11 @@ struct Listing {
     #[serde(skip_serializing_if = "Option::is_none")]
     integrands: Option<Vec<IntegrandEntry>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    scenes: Option<Vec<SceneEntry>>,
+    scenes: Option<Vec<NamedEntry>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     discrepancies: Option<Vec<DiscrepancyEntry>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    extremes: Option<Vec<NamedEntry>>,
 }
 
 pub fn run(args: &ListArgs, common: &Common) -> Result<Outcome> {
@@ -73,6 +79,7 @@ pub fn run(args: &ListArgs, common: &Common) -> Result<Outcome> {
         integrands: wanted(Listed::Integrands).then(integrands),
         scenes: wanted(Listed::Scenes).then(scenes),
         discrepancies: wanted(Listed::Discrepancies).then(discrepancies),
+        extremes: wanted(Listed::Extremes).then(extremes),
     };
     if common.json {
         output::print_json(listing)?;
@@ -84,9 +91,10 @@ pub fn run(args: &ListArgs, common: &Common) -> Result<Outcome> {
 
 fn samplers() -> Vec<SamplerEntry> {
     let entry = |s: &&dyn Sampler| {
-        let Facts { name, summary, source, kind, max_dim, scrambles, .. } = s.facts();
+        let Facts { name, summary, source, kind, max_dim, counts, scrambles, .. } = s.facts();
         let max_dim = (max_dim < usize::MAX).then_some(max_dim);
-        SamplerEntry { name, summary, source, kind, max_dim, scrambles }
+        let counts = counts.to_string();
+        SamplerEntry { name, summary, source, kind, max_dim, counts, scrambles }
     };
     SHELF.iter().map(entry).collect()
 }
@@ -106,8 +114,8 @@ fn integrands() -> Vec<IntegrandEntry> {
     CATALOGUE.iter().map(entry).collect()
 }
 
-fn scenes() -> Vec<SceneEntry> {
-    SCENES.iter().map(|s| SceneEntry { name: s.name, summary: s.summary }).collect()
+fn scenes() -> Vec<NamedEntry> {
+    SCENES.iter().map(|s| NamedEntry { name: s.name, summary: s.summary }).collect()
 }
 
 fn discrepancies() -> Vec<DiscrepancyEntry> {
@@ -119,6 +127,10 @@ fn discrepancies() -> Vec<DiscrepancyEntry> {
     Measure::ALL.map(entry).into()
 }
 
+fn extremes() -> Vec<NamedEntry> {
+    FAMILIES.iter().map(|f| NamedEntry { name: f.name, summary: f.title }).collect()
+}
+
 fn text(listing: &Listing) -> String {
     let named = |name: &str, summary: &str| vec![name.to_owned(), summary.to_owned()];
     let mut sections = Vec::new();
@@ -126,12 +138,19 @@ fn text(listing: &Listing) -> String {
         let mut rows = Vec::new();
         for sampler in samplers {
             rows.push(named(sampler.name, sampler.summary));
+            let kind = match sampler.kind {
+                Kind::Set => "set",
+                Kind::Sequence => "sequence",
+            };
+            let dims = sampler.max_dim.map_or("any d".to_owned(), |most| format!("d <= {most}"));
+            rows.push(named("", &format!("{kind}, {dims}, N = {}", sampler.counts)));
             if let [default, others @ ..] = sampler.scrambles
                 && !others.is_empty()
             {
                 let others: Vec<_> = others.iter().map(|s| format!("+{s}")).collect();
                 rows.push(named("", &format!("scramble {default}; or {}", others.join(", "))));
             }
+            rows.push(named("", sampler.source));
         }
         rows.push(named("file:PATH", "your own point sets: CSV, or UTK text or binary"));
         sections.push(("samplers", rows));
@@ -152,6 +171,9 @@ fn text(listing: &Listing) -> String {
     if let Some(measures) = &listing.discrepancies {
         let row = |m: &DiscrepancyEntry| named(m.name, m.summary);
         sections.push(("discrepancies", measures.iter().map(row).collect()));
+    }
+    if let Some(families) = &listing.extremes {
+        sections.push(("extremes", families.iter().map(|f| named(f.name, f.summary)).collect()));
     }
     let section =
         |(title, rows): (&str, Vec<_>)| format!("{title}\n{}", columns(Align::Left, &rows));

@@ -13,6 +13,7 @@ mod points;
 mod render;
 mod reproduce;
 mod spectrum;
+mod stability;
 mod study;
 mod trade;
 
@@ -61,6 +62,7 @@ pub fn run(cli: &Cli) -> Result<Outcome> {
         Command::Merge(args) => merge::run(args, common),
         Command::Study(args) => study::run(args, common),
         Command::Trade(args) => trade::run(args, common),
+        Command::Stability(args) => stability::run(args, common),
         Command::List(args) => list::run(args, common),
         Command::Completions(args) => completions::run(args, common),
     })

@@ -1,7 +1,5 @@
 //! `study`: maps of many scenes under many samplers, and a report that compares them.
 
-mod file;
-
 use super::Outcome;
 use super::map::finish::{self, Found, Kind, Output};
 use super::map::{Job, Made};
@@ -9,11 +7,12 @@ use crate::cli::{Common, StudyFileArgs};
 use crate::output::{self, AtomicFile};
 use crate::report::comparison::{self, Scene};
 use crate::report::raster::data_uri;
+use crate::study_file::{SceneEntry, StudyFile};
 use anyhow::{Context, Result};
-use file::{SceneEntry, StudyFile};
 use serde::Serialize;
 use std::fs;
 use std::path::Path;
+use stratcore::input::{self, MAX_DATA};
 use stratcore::integrand::Integrand as _;
 use stratcore::map::{MapPlan, Region};
 use stratcore::trace::TracedScene;
@@ -28,9 +27,7 @@ struct StudySummary<'a> {
 
 pub fn run(args: &StudyFileArgs, common: &Common) -> Result<Outcome> {
     let study = StudyFile::read(&args.file)?;
-    fs::create_dir_all(&args.output).with_context(|| {
-        format!("cannot make the folder {}; choose another with --output", args.output.display())
-    })?;
+    output::make_folder(&args.output, "--output")?;
     // Every fault of the file is found before the first map is made.
     let jobs = study
         .scenes()
@@ -72,7 +69,8 @@ fn title(path: &Path) -> String {
 }
 
 fn job(study: &StudyFile, entry: &SceneEntry, folder: &Path, common: &Common) -> Result<Job> {
-    let scene = super::load(&entry.spec, common)?;
+    let scene = super::load(&entry.spec, common)
+        .with_context(|| format!("{}: scene {}", study.shown(), entry.name))?;
     let traced = TracedScene::new(scene).with_tracer(study.tracer);
     let path = folder.join(format!("{}.exr", entry.name));
     let output = Output { path, kind: Kind::Picture { points: study.points } };
@@ -95,7 +93,7 @@ fn read(output: &Output) -> Result<(Found, Scene)> {
     let summary = found.summary.clone();
     let summary = summary.with_context(|| format!("{shown} has no summary; delete it"))?;
     let png = output.beside("png");
-    let png = fs::read(&png).with_context(|| {
+    let png = input::read(&png, MAX_DATA).with_context(|| {
         format!("cannot read {}; delete {shown} to make it again", png.display())
     })?;
     let header = found.header.clone();

@@ -1,6 +1,6 @@
 //! Point sets by themselves: what `points`, `spectrum` and `discrepancy` ask for.
 
-use super::{axes as axes_of, samplers};
+use super::{axes as axes_of, sampler, samplers};
 use crate::cli::{Common, DiscrepancyArgs, PointsArgs, SpectrumArgs};
 use crate::report::spectrum::{SamplerSpectrum, Spectra};
 use anyhow::{Context, Result, bail, ensure};
@@ -42,8 +42,7 @@ pub fn points(args: &PointsArgs, common: &Common, is_drawn: bool) -> Result<Poin
     const MOST: u64 = 1 << 26;
     /// Dots in one drawing.
     const MOST_DRAWN: u64 = 1 << 16;
-    let names = std::slice::from_ref(&args.sampler);
-    let choice = samplers(names, args.scramble.as_deref())?[0];
+    let choice = sampler("--sampler", &args.sampler, args.scramble.as_deref())?;
     let SamplerChoice { sampler, scramble } = choice;
     let PointsArgs { n, dim, trial, sets, .. } = *args;
     ensure!(n >= 1, "-n {n}: a set has at least 1 point");
@@ -60,9 +59,11 @@ pub fn points(args: &PointsArgs, common: &Common, is_drawn: bool) -> Result<Poin
          {MOST}; ask for fewer sets or points"
     );
     let axes = is_drawn.then(|| axes_of(&args.axes, dim)).transpose()?;
+    // The explorer draws without being told to.
+    let flag = if args.plot.is_some() { "--plot: " } else { "" };
     ensure!(
         !is_drawn || n_used <= MOST_DRAWN,
-        "{n_used} points are more than a drawing shows, {MOST_DRAWN}; ask for fewer"
+        "{flag}{n_used} points are more than a drawing shows, {MOST_DRAWN}; ask for fewer"
     );
     let set = point_set(choice, dim, n_used, policy, common.seed);
     let set = PointSet { key: StreamKey { trial, ..set.key }, ..set };
@@ -114,7 +115,9 @@ pub fn point_spectra(args: &SpectrumArgs, common: &Common) -> Result<PointSpectr
     ensure!(n >= 1, "-n {n}: a set has at least 1 point");
     let axes = axes_of(args.axes.as_deref().unwrap_or("0,1"), dim)?;
     let policy = args.n_policy.map_or(CountPolicy::Error, CountPolicy::from);
-    let trials = args.trials.unwrap_or(50);
+    // Of a file all sets.
+    let sets = file.map(|file| file.most_trials(n, Scramble::None));
+    let trials = args.trials.or(sets).unwrap_or(50);
     let cutoff =
         args.cutoff.unwrap_or_else(|| (4.0 * (n as f64).sqrt()).ceil().clamp(16.0, 256.0) as u32);
     let set = |choice: &SamplerChoice| {

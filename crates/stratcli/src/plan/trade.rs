@@ -1,6 +1,6 @@
 //! What `trade` asks for.
 
-use super::{duration_ns, pixel, targets, trade_study_plan};
+use super::{duration_ns, pixel, study_plan, targets};
 use crate::cli::{Common, TradeArgs};
 use anyhow::{Context, Result, ensure};
 use stratcore::map::Region;
@@ -11,7 +11,7 @@ use stratcore::trade::TradePlan;
 /// The plan of a trade among integrands with `dim` dimensions.
 pub fn trade_plan(args: &TradeArgs, common: &Common, dim: usize) -> Result<TradePlan> {
     Ok(TradePlan {
-        study: trade_study_plan(args, common, dim)?,
+        study: study_plan(&args.protocol, common, dim)?,
         targets: targets(&args.targets)?,
         eval_cost: args.eval_cost.as_deref().map(duration_ns).transpose()?,
     })

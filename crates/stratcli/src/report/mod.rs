@@ -3,6 +3,7 @@
 pub mod axis;
 pub mod chart;
 pub mod comparison;
+pub mod dimensions;
 pub mod discrepancy;
 pub mod gain;
 pub mod histogram;
@@ -16,6 +17,7 @@ pub mod points;
 pub mod raster;
 pub mod sides;
 pub mod spectrum;
+pub mod stability;
 pub mod summary;
 pub mod svg;
 pub mod trade;

@@ -26,8 +26,14 @@ pub(crate) enum Lit {
 }
 
 impl Shade {
-    pub fn new(scene: &Scene, channel: Channel, facet: &Facet, centred: &CentredFrame) -> Self {
-        let material = &scene.materials[scene.mesh.materials[facet.triangle as usize] as usize];
+    /// `material` is the facet's.
+    pub fn new(
+        scene: &Scene,
+        material: &Material,
+        channel: Channel,
+        facet: &Facet,
+        centred: &CentredFrame,
+    ) -> Self {
         let product = |light: Rgb| channel_product(channel, material, light);
         let unlit = channel.of(material.ke) + product(scene.ambient);
         let lit = match scene.light {
@@ -71,12 +77,14 @@ impl Shade {
         !matches!(self.lit, Lit::Constant(value) if value == 0.0)
     }
 
-    /// Fills the shading fields, relative to the pixel's ground value.
+    /// Fills the shading fields, relative to the pixel's ground value and for inverse depths in
+    /// `depth_unit`s, a power of two.
     pub fn write(
         &self,
         shading: Shading,
         ground: f64,
         inverse_root: &Quadratic,
+        depth_unit: f64,
         out: &mut Facet32,
     ) {
         out.shade[0] = (self.unlit - ground) as f32;
@@ -105,7 +113,7 @@ impl Shade {
                 // In units of its middle value, so that the root and the cube stay in range.
                 let unit = square.c.sqrt();
                 out.to_light = coefficients(&square.scaled(unit.powi(-2)));
-                out.shade_gain[0] = (factor * unit.powi(-3)) as f32;
+                out.shade_gain[0] = (factor * unit.powi(-3) * depth_unit.powi(3)) as f32;
             }
         }
     }

@@ -76,6 +76,11 @@ impl Measure {
         matches!(self, Self::Edge | Self::EdgeL2)
     }
 
+    /// Whether a torus shift of the points leaves it as it was.
+    pub fn ignores_shifts(self) -> bool {
+        self == Self::WrapAround
+    }
+
     /// The discrepancy of points, row-major `[N, dim]`; NaN for no points or in a dimension
     /// that [`Measure::only_dim`] excludes.
     pub fn of(self, points: &[f64], dim: usize) -> f64 {

@@ -1,9 +1,9 @@
 //! K1 to K10: exact or nearly exact constants, the strongest tests.
 
-use super::finding::{Check, Curve, Figure, Finding, Relation, Slope};
-use super::lab::{Lab, average_ratios, cells, integrand, powers, ratios, with_checks};
-use super::shapes::{Circle, Line, NormalMeans, Pulse, Squared};
-use super::{Claim, LiteratureError, Standing};
+use super::finding::{Check, Finding};
+use super::lab::{Lab, average_ratios, cells, integrand, powers, with_checks};
+use super::shapes::{Circle, Line, Pulse};
+use super::{Claim, LiteratureError, Standing, bounds, noise};
 use crate::rng::StreamKey;
 use crate::sampler::{Grid, PointSet, Sampler, Scramble};
 use crate::theory::{circle_edge_constant, edge_constant, step_variance, stratified_variance};
@@ -55,14 +55,14 @@ pub(super) const CLAIMS: &[Claim] = &[
                     f, √N-fold for an edge",
         source: "derived here",
         standing: Standing::Derived,
-        measure: naive_error,
+        measure: noise::naive_error,
     },
     Claim {
         id: "K6",
         statement: "noise of the paper's fit: sd(p) = √(2/(M-1)) / √Sxx",
         source: "derived here; the width of the peaks in Mitchell's Figure 4",
         standing: Standing::Derived,
-        measure: noise_of_fit,
+        measure: noise::noise_of_fit,
     },
     Claim {
         id: "K7",
@@ -78,14 +78,14 @@ pub(super) const CLAIMS: &[Claim] = &[
                     plane; gains that are not zero are powers of two",
         source: "Pan & Owen 2021, abstract",
         standing: Standing::Abstract,
-        measure: gain,
+        measure: bounds::gain,
     },
     Claim {
         id: "K9",
         statement: "lhs: variance ≤ σ²/(N-1), whatever f",
         source: "Owen 1997; standard",
         standing: Standing::Recalled,
-        measure: latin_bound,
+        measure: bounds::latin_bound,
     },
     Claim {
         id: "K10",
@@ -93,7 +93,7 @@ pub(super) const CLAIMS: &[Claim] = &[
                     1/4 up to N = 64; nested scrambling does as well as random",
         source: "Burley 2020, Figure 1c, for the direction",
         standing: Standing::Measured,
-        measure: checkerboard,
+        measure: bounds::checkerboard,
     },
 ];
 
@@ -244,104 +244,6 @@ fn edge_length(lab: &mut Lab<'_>) -> Outcome {
     Ok(())
 }
 
-/// E[s²]/N over the variance of the mean. E[s²] = N/(N-1) (E f² - mean²) is measured without
-/// looking at single samples: E f² is the grand mean of f² at the same points.
-fn naive_error(lab: &mut Lab<'_>) -> Outcome {
-    let counts = powers(4, 2..=6);
-    let mut curves = Vec::new();
-    for (name, params, label) in [
-        ("ramp", &[][..], "ramp"),
-        ("gaussian", &[], "gaussian"),
-        ("half-space", &[], "edge at 60°"),
-        ("disk", &[], "disk"),
-    ] {
-        let f = integrand(name, 2, params)?;
-        let squared = Squared(&*f);
-        let [rows, squares] = lab.studies([&*f, &squared], "jittered", &counts)?;
-        let sigma = f.exact_variance("random", 1).unwrap_or(f64::NAN);
-        let mut points = Vec::new();
-        let mut checks = Vec::new();
-        for (row, square) in rows.iter().zip(&squares) {
-            let (n, s2) = (row.n_used as f64, row.variance_of_mean);
-            // Mean over trials of (mean of f² - (mean of f)²): s² of the means stands for
-            // their spread, up to 1/M of itself.
-            let within = square.grand_mean - row.grand_mean.powi(2) - s2;
-            let factor = within / (n - 1.0) / s2;
-            let exact = f.exact_variance("jittered", row.n_used).unwrap_or(f64::NAN);
-            let expected = (sigma - exact) / ((n - 1.0) * exact);
-            let std_error = row.var_ln().sqrt() * factor / expected;
-            checks.push(Check {
-                at: format!("N = {n}, {expected:.1}-fold"),
-                ratio: factor / expected,
-                std_error,
-            });
-            let half = 1.96 * row.var_ln().sqrt() * factor;
-            points.push([n, factor, factor - half, factor + half]);
-        }
-        let largest = points.last().map_or(f64::NAN, |p| p[1]);
-        let case = format!("{label}, {}", range(&counts));
-        let finding = Finding::new(case, "overstatement / exact, mean over N", 1.0);
-        let note =
-            format!("exactly (σ² - V)/((N-1)V), V the variance; {largest:.0}-fold at N = 4096");
-        lab.push(with_checks(finding, checks).noting(note));
-        curves.push(Curve { name: label.to_owned(), points });
-    }
-    lab.draw(Figure {
-        name: "naive-error",
-        title: "s²/N overstates the variance of jittered estimates",
-        caption: "K5. The usual estimate of a mean's variance, s²/N from the samples of one \
-                  estimate, over the variance it is meant for. It is right for independent \
-                  samples alone: for a smooth pixel it is N times too large, for an edge √N times."
-            .to_owned(),
-        axes: ["samples in one estimate, N", "s²/N over the variance of the mean"],
-        log_x: true,
-        curves,
-        slopes: vec![
-            Slope { name: "N", factor: 1.0, power: 1.0 },
-            Slope { name: "N^{1/2}", factor: 1.0, power: 0.5 },
-        ],
-    });
-    Ok(())
-}
-
-fn noise_of_fit(lab: &mut Lab<'_>) -> Outcome {
-    const TRIALS: u32 = 50;
-    let repeats = lab.either(3000, 30_000);
-    for (dim, ks, claimed) in
-        [(2, 1..=16, 0.033), (2, 2..=16, 0.043), (4, 1..=10, 0.023), (4, 2..=10, 0.033)]
-    {
-        let counts = cells(&ks.clone().collect::<Vec<u64>>(), dim);
-        let mut exponents = Vec::new();
-        lab.each_replicate(&|_| NormalMeans, "random", &counts, TRIALS, repeats, &mut |result| {
-            exponents.extend(result.fit.map(|fit| fit.exponent));
-        })?;
-        let count = exponents.len() as f64;
-        let mean = exponents.iter().sum::<f64>() / count;
-        let squares: f64 = exponents.iter().map(|p| (p - mean).powi(2)).sum();
-        let deviation = (squares / (count - 1.0)).sqrt();
-        let x: Vec<f64> = counts.iter().map(|n| (*n as f64).ln()).collect();
-        let middle = x.iter().sum::<f64>() / x.len() as f64;
-        let sxx: f64 = x.iter().map(|x| (x - middle).powi(2)).sum();
-        // Var ln s² of M normal trials is ψ'((M-1)/2), of which 2/(M-1) is the first term.
-        let expected = (var_ln_of_normal(TRIALS) / sxx).sqrt();
-        let simple = (2.0 / f64::from(TRIALS - 1) / sxx).sqrt();
-        let case = format!("M = 50, N = k^{dim}, k = {} to {}", ks.start(), ks.end());
-        let note = format!(
-            "normal trial means, {repeats} fits; the claim's first-order {simple:.4} ({claimed}) \
-             is 1 % below ψ'((M-1)/2), which is what is expected here"
-        );
-        let finding = Finding::new(case, "sd of p", expected).noting(note);
-        lab.push(finding.measured(deviation, deviation / (2.0 * (count - 1.0)).sqrt()));
-    }
-    Ok(())
-}
-
-/// ψ'(ν/2) for ν = M - 1 degrees of freedom, by its asymptotic series.
-pub(super) fn var_ln_of_normal(trials: u32) -> f64 {
-    let x = 0.5 * f64::from(trials - 1);
-    1.0 / x + 0.5 / (x * x) + 1.0 / (6.0 * x.powi(3)) - 1.0 / (30.0 * x.powi(5))
-}
-
 fn scanline(lab: &mut Lab<'_>) -> Outcome {
     let counts = [4, 16, 64, 256];
     let one = |stream: crate::rng::Stream| Pulse { from: 0.0, to: stream.pair(0)[0] };
@@ -418,82 +320,4 @@ fn centred_grid(
         std_error: scaled(row.std_error),
         ..row
     })
-}
-
-fn gain(lab: &mut Lab<'_>) -> Outcome {
-    let counts = powers(2, 1..=12);
-    for (name, params) in [
-        ("gaussian", &[][..]),
-        ("half-space", &[]),
-        ("disk", &[]),
-        ("koch", &[]),
-        ("checkerboard", &[("frequency", 11.3)]),
-        ("cosines", &[("frequency", 5.3)]),
-    ] {
-        let f = integrand(name, 2, params)?;
-        let bound = 2.0 * f.exact_variance("random", 1).unwrap_or(f64::NAN);
-        let choice = crate::study::SamplerChoice::named("sobol+owen")?;
-        let rows = lab.study(&*f, choice, &counts)?.rows;
-        let case = format!("sobol+owen, {name}, N = 2 to 4096: the largest");
-        let finding = Finding::new(case, "gain N·variance/σ²", 2.0).being(Relation::AtMost);
-        lab.push(with_checks(finding, ratios(&rows, |n| bound / n as f64)));
-    }
-    // A checkerboard of 2^j × 2^j checks is one Walsh function: it has a single gain, which is
-    // 1 while a net is too coarse to see it, 2 at N = 2^(2j-1), and 0 from there on.
-    for j in [1, 2, 3] {
-        let f = integrand("checkerboard", 2, &[("frequency", f64::from(1 << j))])?;
-        let counts = powers(2, 0..=2 * j + 1);
-        let case = format!("sobol+owen, one Walsh function (2^{j} checks), {}", range(&counts));
-        let law = |n: u64| {
-            let gain = match n.cmp(&(1 << (2 * j - 1))) {
-                std::cmp::Ordering::Less => 1.0,
-                std::cmp::Ordering::Equal => 2.0,
-                std::cmp::Ordering::Greater => 0.0,
-            };
-            0.25 * gain / n as f64
-        };
-        let row = lab.exact(&case, &*f, "sobol+owen", &counts, law)?;
-        let why = "gains 1, 2 at N = 2^(2j-1), then 0: the bound is reached";
-        lab.push(row.noting(why));
-    }
-    Ok(())
-}
-
-fn latin_bound(lab: &mut Lab<'_>) -> Outcome {
-    let counts = [2, 3, 4, 8, 16, 64, 256];
-    for (name, dim, params) in [
-        ("gaussian", 2, &[][..]),
-        ("half-space", 2, &[]),
-        ("checkerboard", 2, &[("frequency", 2.0)]),
-        ("checkerboard", 2, &[("frequency", 64.0)]),
-        ("form-factor", 4, &[("occluder", 0.5)]),
-    ] {
-        let f = integrand(name, dim, params)?;
-        let variance = f.exact_variance("random", 1).unwrap_or(f64::NAN);
-        let choice = crate::study::SamplerChoice::named("lhs")?;
-        let rows = lab.study(&*f, choice, &counts)?.rows;
-        let case = format!("{name}{}, {}: the largest", words(params), range(&counts));
-        let finding = Finding::new(case, "(N-1)·variance/σ²", 1.0).being(Relation::AtMost);
-        let row = with_checks(finding, ratios(&rows, |n| variance / (n as f64 - 1.0)));
-        lab.push(
-            row.noting("the bound is elementary: it is tested although the paper is recalled"),
-        );
-    }
-    Ok(())
-}
-
-fn checkerboard(lab: &mut Lab<'_>) -> Outcome {
-    let f = integrand("checkerboard", 2, &[("frequency", 64.0)])?;
-    let counts = [1, 4, 16, 64];
-    let row =
-        lab.exact("sobol+xor-shift, N = 1 to 64", &*f, "sobol+xor-shift", &counts, |_| 0.25)?;
-    lab.push(row.noting("variance 1/4 at each N: N times that of random"));
-    let nested = [16, 64];
-    let row =
-        lab.exact("sobol+owen, N = 16 and 64", &*f, "sobol+owen", &nested, |n| 0.25 / n as f64)?;
-    lab.push(row.noting("0.95 to 0.98 was seen; the gain of this Walsh function is exactly 1"));
-    // All of N = 2^12: one point in each check.
-    let row = lab.exact("sobol+xor-shift, N = 4096", &*f, "sobol+xor-shift", &[4096], |_| 0.0)?;
-    lab.push(row.noting("one point in each check: exactly no variance"));
-    Ok(())
 }

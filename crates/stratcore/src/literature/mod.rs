@@ -5,13 +5,17 @@
 //! ([`Finding::verdict`]). Nothing here is fitted to make a row pass: where theory is a limit
 //! and N is finite, the row carries an allowance and says where it is from.
 
+mod bounds;
 mod constants;
 mod finding;
 mod lab;
+mod lights;
 mod mitchell;
 mod nets;
+mod noise;
 mod patterns;
 mod samplers;
+mod screen;
 mod shapes;
 
 pub use finding::{BOUND, Check, Curve, Figure, Finding, Relation, Slope, Verdict};

@@ -7,8 +7,8 @@ use super::lab::{
     powers, ratios, with_checks,
 };
 use super::samplers::MultiJittered;
-use super::shapes::{Circle, Interaction, Line, PairSum, Pulse, Wave};
-use super::{Claim, LiteratureError, Standing};
+use super::shapes::{Circle, Interaction, Line, PairSum, Wave};
+use super::{Claim, LiteratureError, Standing, lights};
 use crate::rng::Stream;
 use crate::sampler::Scramble;
 use crate::study::SamplerChoice;
@@ -24,10 +24,12 @@ pub(super) const CLAIMS: &[Claim] = &[
     Claim {
         id: "R1",
         statement: "linear lights: p = 2 for every stratified pattern; with two discontinuities \
-                    uniform jitter has half the variance of stratified points (values in K7)",
+                    uniform jitter has half the variance of stratified points (values in K7). \
+                    Planar lights: uniform jitter loses on a square one, whose scanlines err \
+                    alike, and wins on a circular or Gaussian one",
         source: "Ramamoorthi et al. 2012, abstract",
         standing: Standing::Abstract,
-        measure: linear_lights,
+        measure: lights::lights,
     },
     Claim {
         id: "S1",
@@ -93,25 +95,6 @@ pub(super) const CLAIMS: &[Claim] = &[
         measure: shifted_grid,
     },
 ];
-
-fn linear_lights(lab: &mut Lab<'_>) -> Outcome {
-    let counts = powers(4, 2..=5);
-    let lit = |stream: Stream| {
-        let [a, b] = stream.pair(0);
-        Pulse { from: a.min(b), to: a.max(b) }
-    };
-    for sampler in ["jittered", "grid+torus-shift", "sobol+owen", "halton+owen"] {
-        let averages = lab.placed(&lit, sampler, &counts)?;
-        let case = format!("{sampler}, two steps anywhere");
-        let why = "both steps fall into one stratum once in N times: a share of 1/(2N)";
-        lab.push(exponent_of_averages(&case, &averages, 2.0).allowing(0.01, why));
-    }
-    lab.push(Finding::not_measured(
-        "square, circular and Gaussian lights",
-        "which pattern is best for which light's shape needs area lights, that scenes do not have",
-    ));
-    Ok(())
-}
 
 fn homogenised(lab: &mut Lab<'_>) -> Outcome {
     let counts = powers(4, 2..=6);

@@ -3,7 +3,7 @@
 
 use crate::rng::{Stream, StreamKey};
 use crate::sampler::{
-    Facts, Jittered, Kind, PointSet, Points, Sampler, Scramble, Sobol, strata_per_axis,
+    Admissible, Facts, Jittered, Kind, PointSet, Points, Sampler, Scramble, Sobol, strata_per_axis,
 };
 use crate::simd::Isa;
 
@@ -55,6 +55,7 @@ impl Sampler for MultiJittered {
             stream_id: 253,
             kind: Kind::Set,
             max_dim: 2,
+            counts: Admissible::Rule("k^2"),
             scrambles: &[Scramble::None],
             is_random: true,
         }

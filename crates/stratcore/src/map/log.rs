@@ -3,6 +3,7 @@
 use super::record_error::{RecordError, RecordFault};
 use super::records::{Header, frame_bytes, header_bytes, read_header, scan};
 use super::set::TileSet;
+use crate::input::refuse_irregular;
 use crate::variance::Moments;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{BufReader, Read, Seek, SeekFrom, Write};
@@ -44,6 +45,7 @@ impl TileLog {
             .truncate(false)
             .open(path)
             .map_err(write)?;
+        file.metadata().and_then(|found| refuse_irregular(&found)).map_err(read)?;
         let unlocked = match file.try_lock() {
             Ok(()) => false,
             Err(TryLockError::WouldBlock) => return Err(fail(RecordFault::Locked)),
@@ -65,19 +67,19 @@ impl TileLog {
             let found = read_header(&mut reader).map_err(fail)?;
             let differences = header.plan.differences(&found.plan);
             if !differences.is_empty() {
-                return Err(fail(RecordFault::ForeignPlan(differences)));
+                return Err(fail(RecordFault::UnfinishedOther(differences)));
             }
             if found.shard != header.shard {
                 let (found, wanted) = (found.shard, header.shard);
                 return Err(fail(RecordFault::ForeignShard { found, wanted }));
             }
             let scan = scan(&mut reader, &header.plan).map_err(read)?;
-            if !resume {
+            if !resume && !scan.frames.is_empty() {
                 let finished = scan.frames.len();
                 return Err(fail(RecordFault::Unfinished { finished, total }));
             }
             for (tile, at) in scan.frames {
-                set.places[tile] = Some((0, at));
+                set.places.insert(tile, (0, at));
             }
             file.set_len(scan.end).map_err(write)?;
             file.seek(SeekFrom::Start(scan.end)).map_err(write)?;
@@ -99,7 +101,7 @@ impl TileLog {
         let at = *len;
         *len += frame.len() as u64;
         let mut set = self.set.lock().unwrap_or_else(PoisonError::into_inner);
-        set.places[tile] = Some((0, at));
+        set.places.insert(tile, (0, at));
         Ok(())
     }
 

@@ -5,7 +5,7 @@ use super::region::{Region, Tiling};
 use crate::error::StudyError;
 use crate::integrand::Integrand as _;
 use crate::rng::StreamKey;
-use crate::sampler::{CountPolicy, Scramble};
+use crate::sampler::{CountPolicy, MAX_DIM, Scramble};
 use crate::scene::{Channel, Light, Scene};
 use crate::study::StudyPlan;
 use crate::trace::{TracedScene, Tracer};
@@ -151,13 +151,16 @@ impl Identity {
     /// Whether its parts fit together, as those of a plan that was read from a file should.
     pub(super) fn is_sound(&self) -> bool {
         let n_counts = self.counts.len();
-        self.tile_side > 0
+        let is_count = |n: &u64| (1..StreamKey::MAX_SAMPLES).contains(n);
+        self.tile_side == MapPlan::TILE_SIDE
             && self.resolution.iter().all(|side| *side <= StreamKey::MAX_PIXEL)
             && self.region.check(self.resolution).is_ok()
-            && self.dim > 0
+            && (1..=MAX_DIM).contains(&self.dim)
             && n_counts > 0
             && !self.samplers.is_empty()
-            && self.samplers.iter().all(|sampler| sampler.counts_used.len() == n_counts)
+            && self.samplers.iter().all(|sampler| {
+                sampler.counts_used.len() == n_counts && sampler.counts_used.iter().all(is_count)
+            })
     }
 
     /// What differs between two identities, in words; empty where nothing does.
@@ -190,6 +193,7 @@ fn scene_hash(scene: &Scene) -> u128 {
         filter,
         ambient,
         background,
+        files: _,
         notes: _,
     } = scene;
     let mut digest = Digest::new();
@@ -275,8 +279,12 @@ mod tests {
 
     #[test]
     fn a_plan_whose_parts_do_not_fit_is_unsound() {
-        let changes: [fn(&mut Identity); 6] = [
+        let changes: [fn(&mut Identity); 10] = [
             |plan| plan.tile_side = 0,
+            |plan| plan.tile_side = u32::MAX,
+            |plan| plan.dim = usize::MAX,
+            |plan| plan.samplers[0].counts_used[1] = 0,
+            |plan| plan.samplers[0].counts_used[1] = u64::MAX,
             |plan| plan.region.x1 = plan.region.x0,
             |plan| plan.resolution[0] = u32::MAX,
             |plan| plan.counts.clear(),

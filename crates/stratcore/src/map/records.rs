@@ -11,9 +11,9 @@ use super::digest::Digest;
 use super::plan::Identity;
 use super::record_error::{RecordError, RecordFault};
 use super::set::TileSet;
+use crate::input;
 use crate::variance::Moments;
 use serde::{Deserialize, Serialize};
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
@@ -56,7 +56,7 @@ impl Header {
     /// # Errors
     /// The file is there but cannot be read, or holds no tiles.
     pub fn read_file(path: &Path) -> Result<Option<Self>, RecordError> {
-        match File::open(path) {
+        match input::open(path) {
             Ok(file) => {
                 read_header(&mut BufReader::new(file)).map(Some).map_err(|fault| fault.of(path))
             }
@@ -86,7 +86,9 @@ pub(super) fn read_header(file: &mut impl BufRead) -> Result<Header, RecordFault
     }
     let json = line(LONGEST)?;
     let header: Header = serde_json::from_slice(&json).map_err(|_| RecordFault::NotTiles)?;
-    if header.plan.hash() != header.hash || !header.plan.is_sound() {
+    let Shard { index, of } = header.shard;
+    let is_sound = header.plan.is_sound() && Shard::new(index, of).is_ok();
+    if header.plan.hash() != header.hash || !is_sound {
         return Err(RecordFault::NotTiles);
     }
     Ok(header)
@@ -151,29 +153,28 @@ pub(super) fn read_frame(
         return Ok(None);
     };
     let n_rows = tiling.tile(tile).n_pixels() as usize * plan.rows_per_pixel();
-    let mut bytes = vec![0; ROW_BYTES * n_rows + 16];
-    if !read_whole(file, &mut bytes)? {
+    // Memory follows what the file holds, not what its plan promises.
+    let len = ROW_BYTES * n_rows + 16;
+    let mut bytes = Vec::with_capacity(len.min(1 << 20));
+    if file.take(len as u64).read_to_end(&mut bytes)? < len {
         return Ok(None);
     }
     let (payload, hash) = bytes.split_at(ROW_BYTES * n_rows);
     let mut digest = Digest::new();
     digest.word(index);
-    let (words, _) = payload.as_chunks::<8>();
-    let words = words.iter().map(|bytes| {
-        let word = u64::from_le_bytes(*bytes);
-        digest.word(word);
-        word
-    });
-    let words: Vec<u64> = words.collect();
-    if hash != digest.finish().to_le_bytes() {
-        return Ok(None);
-    }
-    let (rows, _) = words.as_chunks::<NUMBERS>();
-    let moments = |&[count, rest @ ..]: &[u64; NUMBERS]| {
+    let (rows, _) = payload.as_chunks::<ROW_BYTES>();
+    let moments = rows.iter().map(|row| {
+        let (words, _) = row.as_chunks::<8>();
+        let [count, rest @ ..]: [u64; NUMBERS] = std::array::from_fn(|i| {
+            let word = u64::from_le_bytes(words[i]);
+            digest.word(word);
+            word
+        });
         let [mean, variance, skewness, kurtosis] = rest.map(f64::from_bits);
         Moments { count, mean, variance, skewness, kurtosis }
-    };
-    Ok(Some((tile, rows.iter().map(moments).collect())))
+    });
+    let moments = moments.collect();
+    Ok((hash == digest.finish().to_le_bytes()).then_some((tile, moments)))
 }
 
 /// Fills `bytes`; false where the file ends before.

@@ -3,9 +3,11 @@
 use super::cost::Shard;
 use super::plan::Identity;
 use super::record_error::{RecordError, RecordFault};
-use super::records::{read_frame, read_header, scan};
+use super::records::{Header, Scan, read_frame, read_header, scan};
+use crate::input;
+use crate::study::collect;
 use crate::variance::Moments;
-use std::fs::File;
+use std::collections::{BTreeMap, HashSet};
 use std::io::{self, BufReader, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
@@ -17,7 +19,8 @@ type Place = (u32, u64);
 pub struct TileSet {
     plan: Identity,
     pub(super) files: Vec<PathBuf>,
-    pub(super) places: Vec<Option<Place>>,
+    /// Of the tiles that are there: a header alone, however large its picture, takes no room.
+    pub(super) places: BTreeMap<usize, Place>,
 }
 
 impl TileSet {
@@ -27,19 +30,27 @@ impl TileSet {
     /// [`RecordError`] names the file that is of another plan, damaged, or doubles another; or
     /// the tiles and shards that are missing.
     pub fn merge(paths: &[PathBuf]) -> Result<Self, RecordError> {
+        let scan_file = |path: &PathBuf| -> Result<(Header, Scan), RecordError> {
+            let fail = |fault: RecordFault| fault.of(path);
+            let file = input::open(path).map_err(|e| fail(RecordFault::Read(e)))?;
+            let mut file = BufReader::new(file);
+            let header = read_header(&mut file).map_err(fail)?;
+            let scan = scan(&mut file, &header.plan).map_err(|e| fail(RecordFault::Read(e)))?;
+            Ok((header, scan))
+        };
         let mut set: Option<Self> = None;
         let mut shards: Vec<Shard> = Vec::new();
-        for path in paths {
+        // Every byte is read and hashed here, several files at a time.
+        let scanned = collect(paths.iter().collect(), |path| Ok((path, scan_file(path))));
+        let Ok(scanned): Result<_, std::convert::Infallible> = scanned;
+        for (path, found) in scanned {
             let fail = |fault: RecordFault| fault.of(path);
-            let mut file =
-                BufReader::new(File::open(path).map_err(|e| RecordFault::Read(e).of(path))?);
-            let header = read_header(&mut file).map_err(fail)?;
+            let (header, scan) = found?;
             let set = set.get_or_insert_with(|| Self::empty(header.plan.clone()));
             let differences = set.plan.differences(&header.plan);
             if !differences.is_empty() {
                 return Err(fail(RecordFault::ForeignPlan(differences)));
             }
-            let scan = scan(&mut file, &set.plan).map_err(|e| fail(RecordFault::Read(e)))?;
             if scan.rest > 0 {
                 let (finished, shard) = (scan.frames.len(), header.shard);
                 return Err(fail(RecordFault::Damaged { finished, shard }));
@@ -47,11 +58,10 @@ impl TileSet {
             let number = set.files.len() as u32;
             set.files.push(path.clone());
             for (tile, at) in scan.frames {
-                if let Some((other, _)) = set.places[tile] {
+                if let Some((other, _)) = set.places.insert(tile, (number, at)) {
                     let other = set.files[other as usize].clone();
                     return Err(fail(RecordFault::Overlap { tile, other }));
                 }
-                set.places[tile] = Some((number, at));
             }
             shards.push(header.shard);
         }
@@ -62,17 +72,22 @@ impl TileSet {
 
     /// No tiles yet.
     pub(super) fn empty(plan: Identity) -> Self {
-        let places = vec![None; plan.tiling().n_tiles()];
-        Self { plan, files: Vec::new(), places }
+        Self { plan, files: Vec::new(), places: BTreeMap::new() }
     }
 
     fn check_complete(&self, shards: &[Shard]) -> Result<(), RecordError> {
-        let mut missing = self.places.iter().enumerate().filter(|(_, place)| place.is_none());
-        let Some((tile, _)) = missing.next() else { return Ok(()) };
+        let total = self.plan.tiling().n_tiles();
+        let missing = total - self.places.len();
+        if missing == 0 {
+            return Ok(());
+        }
+        // Keys run 0, 1, … up to the first that is missing.
+        let tile = self.places.keys().zip(0..).take_while(|(tile, i)| *tile == i).count();
         let of = shards.iter().map(|shard| shard.of).max().unwrap_or(1);
+        let given: HashSet<&Shard> = shards.iter().collect();
         let absent: Vec<_> = (1..=of)
             .map(|index| Shard { index, of })
-            .filter(|shard| !shards.contains(shard))
+            .filter(|shard| !given.contains(shard))
             .map(|shard| shard.to_string())
             .collect();
         let absent = match absent.as_slice() {
@@ -82,7 +97,6 @@ impl TileSet {
             }
             few => format!("add the files of shards {}", few.join(", ")),
         };
-        let (missing, total) = (missing.count() + 1, self.places.len());
         let fault = RecordFault::Gap { missing, total, tile, absent };
         Err(fault.of(self.files.first().map_or(Path::new("merge"), PathBuf::as_path)))
     }
@@ -94,12 +108,12 @@ impl TileSet {
 
     /// Which tiles are there, in order.
     pub fn tiles(&self) -> impl Iterator<Item = usize> + '_ {
-        self.places.iter().enumerate().filter_map(|(tile, place)| place.map(|_| tile))
+        self.places.keys().copied()
     }
 
     /// Whether the tile is there.
     pub fn contains(&self, tile: usize) -> bool {
-        self.places.get(tile).is_some_and(Option::is_some)
+        self.places.contains_key(&tile)
     }
 
     /// The rows of a tile that is there; nothing for one that is not.
@@ -107,12 +121,12 @@ impl TileSet {
     /// # Errors
     /// The file has changed since it was opened.
     pub fn read(&self, tile: usize) -> Result<Vec<Moments>, RecordError> {
-        let Some((number, at)) = self.places.get(tile).copied().flatten() else {
+        let Some((number, at)) = self.places.get(&tile).copied() else {
             return Ok(Vec::new());
         };
         let path = &self.files[number as usize];
         let frame = || -> io::Result<Option<Vec<Moments>>> {
-            let mut file = File::open(path)?;
+            let mut file = input::open(path)?;
             file.seek(SeekFrom::Start(at))?;
             Ok(read_frame(&mut file, &self.plan)?.map(|(_, rows)| rows))
         };

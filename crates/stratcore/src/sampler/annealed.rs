@@ -2,7 +2,7 @@
 
 use super::hash::{below, splitmix, unit};
 use super::patterns::Pattern;
-use super::{BELOW_ONE, Facts, Kind, Scramble};
+use super::{Admissible, BELOW_ONE, Facts, Kind, Scramble};
 use crate::discrepancy::SquareCut;
 use std::f64::consts::PI;
 
@@ -20,17 +20,17 @@ use std::f64::consts::PI;
 pub const ANNEALED: Pattern = Pattern {
     facts: Facts {
         name: "annealed",
-        summary: "pattern annealed to low arbitrary-edge discrepancy",
+        summary: "pattern annealed to low arbitrary-edge discrepancy, in the plane",
         source: "Dobkin, Eppstein & Mitchell 1996; Cross 1995",
         stream_id: 15,
         kind: Kind::Set,
         max_dim: 2,
+        // About a second for each pattern.
+        counts: Admissible::UpTo(256),
         scrambles: &[Scramble::TorusShift, Scramble::None],
         is_random: false,
     },
     min_dim: 2,
-    // About a second for each pattern.
-    most: 256,
     make: anneal,
 };
 

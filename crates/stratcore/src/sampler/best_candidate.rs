@@ -2,7 +2,7 @@
 
 use super::hash::{splitmix, unit};
 use super::patterns::{Pattern, TorusGrid};
-use super::{Facts, Kind, Scramble};
+use super::{Admissible, Facts, Kind, Scramble};
 
 /// Each point is the one, of a number of candidates that grows with the points there are, that
 /// lies farthest from them on the torus.
@@ -14,12 +14,12 @@ pub const BEST_CANDIDATE: Pattern = Pattern {
         stream_id: 14,
         kind: Kind::Sequence,
         max_dim: 4,
+        // The work grows as its square.
+        counts: Admissible::UpTo(1024),
         scrambles: &[Scramble::TorusShift, Scramble::None],
         is_random: false,
     },
     min_dim: 1,
-    // The work grows as its square.
-    most: 1024,
     make: choose_candidates,
 };
 

@@ -4,7 +4,7 @@ use super::hash::splitmix;
 use super::permutation::Permutation;
 use super::random::UniformPoints;
 use super::{
-    BELOW_ONE, Facts, Jittered, Kind, PointSet, Points, Sampler, Scramble, strata_per_axis,
+    Admissible, BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble, strata_per_axis,
 };
 use crate::simd::Isa;
 
@@ -26,15 +26,10 @@ impl Sampler for CorrelatedMultiJittered {
             stream_id: 4,
             kind: Kind::Set,
             max_dim: 2,
+            counts: Admissible::Cells,
             scrambles: &[Scramble::None, Scramble::TorusShift],
             is_random: true,
         }
-    }
-    fn admits(&self, n: u64, dim: usize, rectangular: bool) -> bool {
-        Jittered.admits(n, dim, rectangular)
-    }
-    fn neighbours(&self, n: u64, dim: usize) -> (Option<u64>, Option<u64>) {
-        Jittered.neighbours(n, dim)
     }
     fn construct(&self, set: &PointSet) -> Box<dyn Points> {
         let stream = set.key.stream();

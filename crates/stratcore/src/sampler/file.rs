@@ -1,7 +1,8 @@
 //! Point sets from a file: bring your own.
 
 use super::patterns::StoredPoints;
-use super::{Facts, Kind, PointSet, Points, Sampler, Scramble};
+use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
+use crate::input;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -101,7 +102,7 @@ impl PointFile {
             path: path.to_owned(),
             fault: PointFileFault::Unreadable(error.to_string()),
         };
-        let bytes = std::fs::read(Path::new(path)).map_err(unreadable)?;
+        let bytes = input::read(Path::new(path), input::MAX_DATA).map_err(unreadable)?;
         Ok(Box::leak(Box::new(Self::parse(path, &bytes)?)))
     }
 
@@ -241,6 +242,7 @@ impl Sampler for PointFile {
             stream_id: 17,
             kind: Kind::Set,
             max_dim: self.dim,
+            counts: Admissible::Rule("those of its sets"),
             scrambles: match self.sets.len() {
                 1 => &[Scramble::TorusShift, Scramble::None],
                 _ => &[Scramble::None, Scramble::TorusShift],
@@ -336,21 +338,13 @@ mod tests {
             (utk(5, u32::MAX, u32::MAX, u32::MAX, &data), "cut off"),
             (utk(5, 0, 1, 1, &[]), "no points"),
             (utk(0, 1, 1, 1, &data), "data type is number 0"),
+            (utk(5, 2, 1, 1, &[data, data].concat()), "sets 1 and 2 are identical"),
         ] {
             let error = read(&bytes).unwrap_err();
             assert!(error.contains("point file p") && error.contains(words), "{error}");
         }
         let error = PointFile::load("/no/such/file").unwrap_err().to_string();
         assert!(error.contains("/no/such/file"), "{error}");
-    }
-
-    /// UTK's writer of several binary sets repeats the first.
-    #[test]
-    fn trap_binary_sets_that_are_all_the_first() {
-        let data: Vec<u8> =
-            [0.5f64, 0.25, 0.5, 0.25].iter().flat_map(|x| x.to_le_bytes()).collect();
-        let error = read(&utk(5, 2, 1, 2, &data)).unwrap_err();
-        assert!(error.contains("sets 1 and 2 are identical"), "{error}");
     }
 
     #[test]

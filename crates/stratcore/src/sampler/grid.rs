@@ -1,6 +1,6 @@
 //! The centres of a grid's cells: the deterministic set that jittering randomises.
 
-use super::{Facts, Jittered, Kind, PointSet, Points, Sampler, Scramble, strata_per_axis};
+use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble, strata_per_axis};
 use crate::simd::Isa;
 
 /// The centres of the cells of a k^d (or k₁ × … × k_d) grid. Under a torus shift all points
@@ -17,15 +17,10 @@ impl Sampler for Grid {
             stream_id: 2,
             kind: Kind::Set,
             max_dim: usize::MAX,
+            counts: Admissible::Cells,
             scrambles: &[Scramble::TorusShift, Scramble::Tent, Scramble::None],
             is_random: false,
         }
-    }
-    fn admits(&self, n: u64, dim: usize, rectangular: bool) -> bool {
-        Jittered.admits(n, dim, rectangular)
-    }
-    fn neighbours(&self, n: u64, dim: usize) -> (Option<u64>, Option<u64>) {
-        Jittered.neighbours(n, dim)
     }
     fn construct(&self, set: &PointSet) -> Box<dyn Points> {
         Box::new(GridPoints { strata: strata_per_axis(set.key.n_samples, set.dim) })

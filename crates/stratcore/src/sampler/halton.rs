@@ -2,8 +2,8 @@
 
 use super::hash::splitmix;
 use super::radical::{RadicalInverse, primes};
-use super::sobol::{MOST_POINTS, digital_neighbours};
-use super::{Facts, Kind, PointSet, Points, Sampler, Scramble};
+use super::sobol::MOST_POINTS;
+use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
 use crate::simd::Isa;
 use std::sync::OnceLock;
 
@@ -24,25 +24,19 @@ impl Sampler for Halton {
             stream_id: 7,
             kind: Kind::Sequence,
             max_dim: BASES,
-            scrambles: &[
-                Scramble::Owen,
-                Scramble::DigitPermutation,
-                Scramble::TorusShift,
-                Scramble::None,
-            ],
+            counts: Admissible::UpTo(MOST_POINTS),
+            scrambles: SCRAMBLES,
             is_random: false,
         }
-    }
-    fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
-        (1..=MOST_POINTS).contains(&n)
-    }
-    fn neighbours(&self, n: u64, _dim: usize) -> (Option<u64>, Option<u64>) {
-        digital_neighbours(n)
     }
     fn construct(&self, set: &PointSet) -> Box<dyn Points> {
         Box::new(HaltonPoints { axes: radical_inverses(set, set.dim) })
     }
 }
+
+/// Scrambles of radical inverses.
+pub(super) const SCRAMBLES: &[Scramble] =
+    &[Scramble::Owen, Scramble::DigitPermutation, Scramble::TorusShift, Scramble::None];
 
 /// Dimensions: the number of prime bases kept.
 pub(super) const BASES: usize = 1024;

@@ -1,10 +1,10 @@
 //! The Hammersley set.
 
-use super::halton::{BASES, radical_inverses};
+use super::halton::{BASES, SCRAMBLES, radical_inverses};
 use super::hash::splitmix;
 use super::radical::{FractionLoop, RadicalInverse, Tail};
-use super::sobol::{MOST_POINTS, digital_neighbours};
-use super::{Facts, Kind, PointSet, Points, Sampler, Scramble};
+use super::sobol::MOST_POINTS;
+use super::{Admissible, Facts, Kind, PointSet, Points, Sampler};
 use crate::simd::{self, BLOCK, Divisor, Isa};
 
 /// i/N and the Halton sequence in d - 1 dimensions. Scrambles work on the digits of the latter
@@ -21,20 +21,10 @@ impl Sampler for Hammersley {
             stream_id: 6,
             kind: Kind::Set,
             max_dim: BASES + 1,
-            scrambles: &[
-                Scramble::Owen,
-                Scramble::DigitPermutation,
-                Scramble::TorusShift,
-                Scramble::None,
-            ],
+            counts: Admissible::UpTo(MOST_POINTS),
+            scrambles: SCRAMBLES,
             is_random: false,
         }
-    }
-    fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
-        (1..=MOST_POINTS).contains(&n)
-    }
-    fn neighbours(&self, n: u64, _dim: usize) -> (Option<u64>, Option<u64>) {
-        digital_neighbours(n)
     }
     fn construct(&self, set: &PointSet) -> Box<dyn Points> {
         // Keys of the other axes count from 0.

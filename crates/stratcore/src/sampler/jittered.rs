@@ -1,9 +1,9 @@
 //! One point per cell of a grid: the paper's stratified sampling.
 
-use super::random::UniformPoints;
-use super::{BELOW_ONE, Facts, Kind, Placement, PointSet, Points, Sampler, Scramble};
-use crate::rng::Stream;
-use crate::simd::{self, BLOCK, Divisor, Isa, Loop};
+use super::random::{PairLoop, UniformPoints};
+use super::{Admissible, BELOW_ONE, Facts, Kind, Placement, PointSet, Points, Sampler, Scramble};
+use crate::rng::{PairMap, Stream};
+use crate::simd::{self, Divisor, Isa};
 
 /// One uniform point in each of the N = k^d cells of a grid, or of the k₁ × … × k_d cells of a
 /// rectangular one. Cells are numbered with the first coordinate running fastest.
@@ -19,19 +19,10 @@ impl Sampler for Jittered {
             stream_id: 1,
             kind: Kind::Set,
             max_dim: usize::MAX,
+            counts: Admissible::Cells,
             scrambles: &[Scramble::None, Scramble::TorusShift],
             is_random: true,
         }
-    }
-    fn admits(&self, n: u64, dim: usize, rectangular: bool) -> bool {
-        n >= 1 && (rectangular || root_floor(n, dim).checked_pow(dim as u32) == Some(n))
-    }
-    fn neighbours(&self, n: u64, dim: usize) -> (Option<u64>, Option<u64>) {
-        let k = root_floor(n, dim);
-        ((k >= 1).then(|| k.pow(dim as u32)), (k + 1).checked_pow(dim as u32))
-    }
-    fn strata(&self, n: u64, dim: usize) -> Option<Vec<u64>> {
-        Some(strata_per_axis(n, dim))
     }
     fn placement(&self) -> Placement {
         Placement::Strata
@@ -47,7 +38,7 @@ impl Sampler for Jittered {
 }
 
 /// [`strata_per_axis`] in two dimensions, without asking for memory where it need not.
-fn planar_strata(n: u64) -> [u64; 2] {
+pub(super) fn planar_strata(n: u64) -> [u64; 2] {
     let root = n.isqrt();
     if root * root == n {
         return [root, root];
@@ -132,33 +123,23 @@ struct PlanarPoints {
 impl Points for PlanarPoints {
     fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
         let Self { stream, strata } = *self;
-        simd::run(isa, PlanarLoop { stream, strata, first, points });
+        simd::run(isa, PairLoop { stream, first, pairs: points, map: IntoCells(strata) });
     }
 }
 
-struct PlanarLoop<'a> {
-    stream: Stream,
-    strata: [Divisor; 2],
-    first: u64,
-    points: &'a mut [f64],
-}
+/// Moves pair i into cell i of a grid of columns and rows.
+#[derive(Clone, Copy)]
+struct IntoCells([Divisor; 2]);
 
-impl Loop for PlanarLoop<'_> {
+impl PairMap for IntoCells {
     #[inline(always)]
-    fn run<const FMA: bool>(self) {
-        let [columns, rows] = self.strata;
-        for (first, draws, run) in self.stream.runs(self.first, self.points) {
-            for (lane, run) in (0..u32::MAX).step_by(BLOCK).zip(run.chunks_mut(2 * BLOCK)) {
-                let block = draws.block(lane, run.len() / 2);
-                let base = (first + u64::from(lane)) as f64;
-                let points = run.chunks_exact_mut(2).zip(block.pairs());
-                for (lane, (point, [x, y])) in (0..BLOCK as u32).zip(points) {
-                    let [row, column] = columns.div_rem::<FMA>(base + f64::from(lane));
-                    point[0] = columns.divide::<FMA>(column + x).min(BELOW_ONE);
-                    point[1] = rows.divide::<FMA>(row + y).min(BELOW_ONE);
-                }
-            }
-        }
+    fn map<const FMA: bool>(self, index: f64, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [columns, rows] = self.0;
+        let [row, column] = columns.div_rem::<FMA>(index);
+        [
+            columns.divide::<FMA>(column + x).min(BELOW_ONE),
+            rows.divide::<FMA>(row + y).min(BELOW_ONE),
+        ]
     }
 }
 
@@ -250,6 +231,29 @@ mod tests {
             offsets.sort_by(f64::total_cmp);
             offsets.dedup();
             assert_eq!(offsets.len(), 2000, "from {first}");
+        }
+    }
+
+    /// Draws at both ends of their range, in the first and the last cells of every grid: with and
+    /// without fused multiply-adds a coordinate stays in [0, 1), on or below its cell's upper end.
+    #[test]
+    fn extreme_draws_stay_in_the_cube() {
+        let draws = [0.0, 2f64.powi(-48), 0.5, 1.0 - 2f64.powi(-48)];
+        let large = (12..=24).flat_map(|e| [(1 << e) - 1, 1 << e, (1 << e) + 1]);
+        for k in (1..3000u64).chain(large) {
+            let map = IntoCells([k, k].map(Divisor::new));
+            for cell in [0, k / 2, k - 1] {
+                let index = (cell * k + cell) as f64;
+                for draw in draws {
+                    let plain = ((cell as f64 + draw) / k as f64).min(BELOW_ONE);
+                    for point in
+                        [map.map::<true>(index, [draw; 2]), map.map::<false>(index, [draw; 2])]
+                    {
+                        assert_eq!(point, [plain; 2], "{k}, cell {cell}, {draw}");
+                        assert!((0.0..1.0).contains(&plain));
+                    }
+                }
+            }
         }
     }
 

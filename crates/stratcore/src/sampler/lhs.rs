@@ -3,7 +3,8 @@
 use super::hash::splitmix;
 use super::permutation::Permutation;
 use super::random::UniformPoints;
-use super::{BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble};
+use super::{Admissible, BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble};
+use crate::rng::StreamKey;
 use crate::simd::Isa;
 
 /// N-rooks: along each axis the N points lie in N different slabs, paired at random between
@@ -20,15 +21,10 @@ impl Sampler for LatinHypercube {
             stream_id: 3,
             kind: Kind::Set,
             max_dim: usize::MAX,
+            counts: Admissible::UpTo(StreamKey::MAX_SAMPLES - 1),
             scrambles: &[Scramble::None, Scramble::TorusShift],
             is_random: true,
         }
-    }
-    fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
-        n >= 1
-    }
-    fn neighbours(&self, _n: u64, _dim: usize) -> (Option<u64>, Option<u64>) {
-        (None, Some(1))
     }
     fn construct(&self, set: &PointSet) -> Box<dyn Points> {
         let stream = set.key.stream();

@@ -4,6 +4,7 @@
 //! the key of its randomness; [`Sampler::points`] makes it ready, and [`Points::fill`] writes
 //! any run of its points. Adding a sampler is one file and one line in [`SHELF`].
 
+mod admissible;
 mod annealed;
 mod best_candidate;
 mod cmj;
@@ -14,6 +15,7 @@ mod halton;
 mod hammersley;
 mod hash;
 mod jittered;
+mod jittered_padded;
 mod lhs;
 mod memo;
 mod oa;
@@ -32,6 +34,7 @@ mod sobol;
 mod zero_two;
 mod zsobol;
 
+pub use admissible::Admissible;
 pub use annealed::ANNEALED;
 pub use best_candidate::BEST_CANDIDATE;
 pub use cmj::CorrelatedMultiJittered;
@@ -40,6 +43,7 @@ pub use grid::Grid;
 pub use halton::Halton;
 pub use hammersley::Hammersley;
 pub use jittered::{Jittered, strata_per_axis};
+pub use jittered_padded::JitteredPadded;
 pub use lhs::LatinHypercube;
 pub use oa::OrthogonalArray;
 pub use padded::Padded;
@@ -62,6 +66,7 @@ use scramble::Shifted;
 pub const SHELF: &[&dyn Sampler] = &[
     &Random,
     &Jittered,
+    &JitteredPadded,
     &Grid,
     &LatinHypercube,
     &CorrelatedMultiJittered,
@@ -143,8 +148,10 @@ pub struct Facts {
     pub stream_id: u8,
     /// Set or sequence.
     pub kind: Kind,
-    /// Largest dimension it is defined for; [`usize::MAX`] for any.
+    /// Largest dimension it is defined for; [`usize::MAX`] for any, up to [`MAX_DIM`].
     pub max_dim: usize,
+    /// The N it has.
+    pub counts: Admissible,
     /// Scrambles it takes; the first is its default.
     pub scrambles: &'static [Scramble],
     /// Whether its construction is random: repeats differ without a scramble.
@@ -187,13 +194,17 @@ pub trait Sampler: Send + Sync {
         if self.is_randomised(scramble) { u32::MAX } else { 1 }
     }
     /// Whether exactly `n` points exist in `dim` dimensions.
-    fn admits(&self, n: u64, dim: usize, rectangular: bool) -> bool;
+    fn admits(&self, n: u64, dim: usize, rectangular: bool) -> bool {
+        self.facts().counts.admits(n, dim, rectangular)
+    }
     /// The nearest admissible counts below and above an `n` that is not admissible.
-    fn neighbours(&self, n: u64, dim: usize) -> (Option<u64>, Option<u64>);
+    fn neighbours(&self, n: u64, dim: usize) -> (Option<u64>, Option<u64>) {
+        self.facts().counts.neighbours(n, dim)
+    }
     /// Strata along each of the `dim` axes for an admissible `n`; none for a sampler without a
     /// grid of strata.
-    fn strata(&self, _n: u64, _dim: usize) -> Option<Vec<u64>> {
-        None
+    fn strata(&self, n: u64, dim: usize) -> Option<Vec<u64>> {
+        (self.facts().counts == Admissible::Cells).then(|| strata_per_axis(n, dim))
     }
     /// How its unscrambled points lie, for integrands that make the same points themselves.
     fn placement(&self) -> Placement {
@@ -214,6 +225,9 @@ pub trait Sampler: Send + Sync {
     }
 }
 
+/// The most dimensions of any set.
+pub const MAX_DIM: usize = 1 << 16;
+
 /// The largest f64 below 1.
 const BELOW_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
 
@@ -231,14 +245,15 @@ pub trait Points {
 /// The count a sampler uses when asked for `n` points under a policy.
 ///
 /// # Errors
-/// [`StudyError::CountNotAdmitted`] names the neighbours; [`StudyError::TooManyDimensions`].
+/// [`StudyError::CountNotAdmitted`] names the neighbours; [`StudyError::TooManyDimensions`],
+/// [`StudyError::NoSets`].
 pub fn count_used(
     sampler: &dyn Sampler,
     n: u64,
     dim: usize,
     policy: CountPolicy,
 ) -> Result<u64, StudyError> {
-    let max_dim = sampler.facts().max_dim;
+    let max_dim = sampler.facts().max_dim.min(MAX_DIM);
     if dim > max_dim {
         return Err(StudyError::TooManyDimensions { sampler: sampler.name(), dim, max_dim });
     }
@@ -258,7 +273,7 @@ pub fn count_used(
     let neighbours = match (below, above) {
         (Some(b), Some(a)) => format!("its neighbours are {b} and {a}"),
         (Some(one), None) | (None, Some(one)) => format!("the nearest is {one}"),
-        (None, None) => "it has no set in this dimension".to_owned(),
+        (None, None) => return Err(StudyError::NoSets { sampler: sampler.name(), dim }),
     };
     Err(StudyError::CountNotAdmitted { sampler: sampler.name(), dim, n, neighbours })
 }
@@ -307,6 +322,12 @@ pub fn check_trials(
         return Err(StudyError::TooFewSets { sampler: sampler.name(), n, sets, trials });
     }
     Ok(())
+}
+
+/// Trials of `n` points that differ by more than a torus shift, for what no such shift changes.
+pub fn most_trials_but_for_shifts(sampler: &dyn Sampler, n: u64, scramble: Scramble) -> u32 {
+    let moved = scramble == Scramble::TorusShift;
+    sampler.most_trials(n, if moved { Scramble::None } else { scramble })
 }
 
 /// Most coordinates of a set that is held whole: two gibibytes.

@@ -4,7 +4,7 @@ use super::hash::splitmix;
 use super::jittered::root_floor;
 use super::permutation::Permutation;
 use super::random::UniformPoints;
-use super::{BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble};
+use super::{Admissible, BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble};
 use crate::simd::Isa;
 
 /// N = p² points, p prime, in up to p + 1 dimensions: every pair of dimensions sees one point
@@ -25,6 +25,7 @@ impl Sampler for OrthogonalArray {
             stream_id: 5,
             kind: Kind::Set,
             max_dim: LARGEST_PRIME as usize + 1,
+            counts: Admissible::Rule("p^2 with p prime, d - 1 <= p <= 65,521"),
             scrambles: &[Scramble::None, Scramble::TorusShift],
             is_random: true,
         }

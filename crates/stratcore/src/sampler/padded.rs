@@ -3,9 +3,9 @@
 use super::hash::splitmix;
 use super::owen::levels;
 use super::permutation::Permutation;
-use super::sobol::{MOST_POINTS, digital_neighbours};
+use super::sobol::MOST_POINTS;
 use super::zero_two::{Order, PaddedPoints, ZeroTwo};
-use super::{Facts, Kind, PointSet, Points, Sampler, Scramble};
+use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
 
 /// Two dimensions at a time from the (0,2)-sequence of Sobol', each pair scrambled on its own
 /// and put in a random order of its own. Every pair is as good as the first; nothing is
@@ -22,6 +22,7 @@ impl Sampler for Padded {
             stream_id: 9,
             kind: Kind::Set,
             max_dim: usize::MAX,
+            counts: Admissible::UpTo(MOST_POINTS),
             scrambles: &[
                 Scramble::Owen,
                 Scramble::OwenHash,
@@ -30,12 +31,6 @@ impl Sampler for Padded {
             ],
             is_random: true,
         }
-    }
-    fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
-        (1..=MOST_POINTS).contains(&n)
-    }
-    fn neighbours(&self, n: u64, _dim: usize) -> (Option<u64>, Option<u64>) {
-        digital_neighbours(n)
     }
     fn construct(&self, set: &PointSet) -> Box<dyn Points> {
         let bits = set.key.stream().scramble_bits();

@@ -20,8 +20,6 @@ pub struct Pattern {
     pub(super) facts: Facts,
     /// Least dimension; [`Facts::max_dim`] is the largest.
     pub(super) min_dim: usize,
-    /// The largest N.
-    pub(super) most: u64,
     /// Makes a pattern, row-major, of N, the dimension and a key.
     pub(super) make: fn(usize, usize, u64) -> Vec<f64>,
 }
@@ -33,15 +31,11 @@ impl Sampler for Pattern {
     fn most_trials(&self, _n: u64, scramble: Scramble) -> u32 {
         if scramble == Scramble::None { PATTERNS } else { u32::MAX }
     }
-    fn admits(&self, n: u64, dim: usize, _rectangular: bool) -> bool {
-        dim >= self.min_dim && (1..=self.most).contains(&n)
+    fn admits(&self, n: u64, dim: usize, rectangular: bool) -> bool {
+        dim >= self.min_dim && self.facts.counts.admits(n, dim, rectangular)
     }
     fn neighbours(&self, n: u64, dim: usize) -> (Option<u64>, Option<u64>) {
-        match n {
-            _ if dim < self.min_dim => (None, None),
-            0 => (None, Some(1)),
-            _ => (Some(self.most), None),
-        }
+        if dim < self.min_dim { (None, None) } else { self.facts.counts.neighbours(n, dim) }
     }
     fn construct(&self, set: &PointSet) -> Box<dyn Points> {
         static MADE: Memo<(u8, u64, usize, u64), f64> = Memo::new();

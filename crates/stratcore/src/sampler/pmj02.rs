@@ -1,8 +1,8 @@
 //! Progressive multi-jittered (0,2)-sequences.
 
 use super::digital::{Columns, DigitalPoints};
-use super::sobol::{MOST_POINTS, digital_neighbours};
-use super::{Facts, Kind, PointSet, Points, Sampler, Scramble};
+use super::sobol::MOST_POINTS;
+use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
 
 /// Progressive multi-jittered (0,2) points: every prefix of 2^m points is stratified in all
 /// elementary intervals.
@@ -23,15 +23,10 @@ impl Sampler for Pmj02 {
             stream_id: 10,
             kind: Kind::Sequence,
             max_dim: 2,
+            counts: Admissible::UpTo(MOST_POINTS),
             scrambles: &[Scramble::None, Scramble::TorusShift],
             is_random: true,
         }
-    }
-    fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
-        (1..=MOST_POINTS).contains(&n)
-    }
-    fn neighbours(&self, n: u64, _dim: usize) -> (Option<u64>, Option<u64>) {
-        digital_neighbours(n)
     }
     fn construct(&self, set: &PointSet) -> Box<dyn Points> {
         // The scrambling is the construction itself.

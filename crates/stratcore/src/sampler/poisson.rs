@@ -2,7 +2,7 @@
 
 use super::hash::{splitmix, unit};
 use super::patterns::{Pattern, TorusGrid};
-use super::{Facts, Kind, Scramble};
+use super::{Admissible, Facts, Kind, Scramble};
 
 /// Uniform points on the torus, none nearer to another than a radius. The radius starts at that
 /// of dense packing and shrinks whenever no room is found, until all N points have their
@@ -15,12 +15,12 @@ pub const POISSON: Pattern = Pattern {
         stream_id: 13,
         kind: Kind::Set,
         max_dim: 4,
+        // A tenth of a second.
+        counts: Admissible::UpTo(4096),
         scrambles: &[Scramble::TorusShift, Scramble::None],
         is_random: false,
     },
     min_dim: 1,
-    // A tenth of a second.
-    most: 4096,
     make: throw_darts,
 };
 

@@ -1,7 +1,7 @@
 //! Uniform independent points: the paper's `O(1/N)` baseline.
 
-use super::{Facts, Kind, Placement, PointSet, Points, Sampler, Scramble};
-use crate::rng::Stream;
+use super::{Admissible, Facts, Kind, Placement, PointSet, Points, Sampler, Scramble};
+use crate::rng::{PairMap, Stream, StreamKey};
 use crate::simd::{self, BLOCK, Isa, Loop};
 
 /// Uniform independent points in any dimension, any N.
@@ -17,15 +17,10 @@ impl Sampler for Random {
             stream_id: 0,
             kind: Kind::Sequence,
             max_dim: usize::MAX,
+            counts: Admissible::UpTo(StreamKey::MAX_SAMPLES - 1),
             scrambles: &[Scramble::None, Scramble::TorusShift],
             is_random: true,
         }
-    }
-    fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
-        n >= 1
-    }
-    fn neighbours(&self, _n: u64, _dim: usize) -> (Option<u64>, Option<u64>) {
-        (None, Some(1))
     }
     fn placement(&self) -> Placement {
         Placement::Independent
@@ -43,20 +38,22 @@ pub(super) struct UniformPoints {
 
 impl Points for UniformPoints {
     fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
-        let pairs = self.dim.div_ceil(2) as u64;
-        if self.dim.is_multiple_of(2) {
+        let Self { stream, dim } = *self;
+        let pairs = dim.div_ceil(2) as u64;
+        if dim.is_multiple_of(2) {
             // The points are the pairs in their order.
-            simd::run(isa, PairLoop { stream: self.stream, first: first * pairs, pairs: points });
+            let (first, map) = (first * pairs, AsDrawn);
+            simd::run(isa, PairLoop { stream, first, pairs: points, map });
             return;
         }
         // The last pair of each point gives one coordinate.
         let mut drawn = [0.0; 2 * BLOCK];
-        let mut slots = points.chunks_exact_mut(self.dim).flat_map(|p| p.chunks_mut(2)).peekable();
+        let mut slots = points.chunks_exact_mut(dim).flat_map(|p| p.chunks_mut(2)).peekable();
         for first in (first * pairs..).step_by(BLOCK) {
             if slots.peek().is_none() {
                 break;
             }
-            simd::run(isa, PairLoop { stream: self.stream, first, pairs: &mut drawn });
+            simd::run(isa, PairLoop { stream, first, pairs: &mut drawn, map: AsDrawn });
             for (pair, slot) in drawn.chunks_exact(2).zip(slots.by_ref()) {
                 slot.copy_from_slice(&pair[..slot.len()]);
             }
@@ -64,23 +61,27 @@ impl Points for UniformPoints {
     }
 }
 
-/// Pairs `first ..` of a stream.
-struct PairLoop<'a> {
-    stream: Stream,
-    first: u64,
-    pairs: &'a mut [f64],
+/// Pairs `first ..` of a stream, mapped.
+pub(super) struct PairLoop<'a, M> {
+    pub(super) stream: Stream,
+    pub(super) first: u64,
+    pub(super) pairs: &'a mut [f64],
+    pub(super) map: M,
 }
 
-impl Loop for PairLoop<'_> {
+impl<M: PairMap> Loop for PairLoop<'_, M> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        for (_, draws, run) in self.stream.runs(self.first, self.pairs) {
-            for (lane, run) in (0..u32::MAX).step_by(BLOCK).zip(run.chunks_mut(2 * BLOCK)) {
-                let block = draws.block(lane, run.len() / 2);
-                for (pair, drawn) in run.chunks_exact_mut(2).zip(block.pairs()) {
-                    pair.copy_from_slice(&drawn);
-                }
-            }
-        }
+        self.stream.fill::<FMA>(self.first, self.pairs, self.map);
+    }
+}
+
+#[derive(Clone, Copy)]
+struct AsDrawn;
+
+impl PairMap for AsDrawn {
+    #[inline(always)]
+    fn map<const FMA: bool>(self, _index: f64, pair: [f64; 2]) -> [f64; 2] {
+        pair
     }
 }

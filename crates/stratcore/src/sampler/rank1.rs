@@ -1,7 +1,7 @@
 //! Rank-1 lattices.
 
 use super::memo::Memo;
-use super::{BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble};
+use super::{Admissible, BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble};
 use crate::simd::Isa;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -30,6 +30,7 @@ impl Sampler for RankOne {
             stream_id: 11,
             kind: Kind::Set,
             max_dim: 64,
+            counts: Admissible::Rule("1 to 2^32; in more than two dimensions 1 to 2^20"),
             scrambles: &[Scramble::TorusShift, Scramble::Tent, Scramble::None],
             is_random: false,
         }

@@ -1,7 +1,7 @@
 //! The Kronecker sequence R_d.
 
 use super::hash::unit;
-use super::{Facts, Kind, PointSet, Points, Sampler, Scramble};
+use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
 use crate::rng::StreamKey;
 use crate::simd::Isa;
 
@@ -21,15 +21,10 @@ impl Sampler for Rd {
             kind: Kind::Sequence,
             // Beyond, the steps of several axes differ by little and the axes move together.
             max_dim: 32,
+            counts: Admissible::UpTo(StreamKey::MAX_SAMPLES - 1),
             scrambles: &[Scramble::TorusShift, Scramble::None],
             is_random: false,
         }
-    }
-    fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
-        (1..StreamKey::MAX_SAMPLES).contains(&n)
-    }
-    fn neighbours(&self, n: u64, _dim: usize) -> (Option<u64>, Option<u64>) {
-        if n == 0 { (None, Some(1)) } else { (Some(StreamKey::MAX_SAMPLES - 1), None) }
     }
     fn construct(&self, set: &PointSet) -> Box<dyn Points> {
         Box::new(KroneckerPoints { steps: steps(set.dim) })

@@ -1,7 +1,7 @@
 //! Sobol' points with the direction numbers of Joe & Kuo.
 
 use super::digital::{Columns, DigitalPoints};
-use super::{Facts, Kind, PointSet, Points, Sampler, Scramble};
+use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
 use std::sync::OnceLock;
 
 /// Sobol' sequence in up to 1,024 dimensions, from its first point on.
@@ -17,6 +17,7 @@ impl Sampler for Sobol {
             stream_id: 8,
             kind: Kind::Sequence,
             max_dim: DIMENSIONS,
+            counts: Admissible::UpTo(MOST_POINTS),
             scrambles: &[
                 Scramble::Owen,
                 Scramble::OwenHash,
@@ -28,12 +29,6 @@ impl Sampler for Sobol {
             is_random: false,
         }
     }
-    fn admits(&self, n: u64, _dim: usize, _rectangular: bool) -> bool {
-        (1..=MOST_POINTS).contains(&n)
-    }
-    fn neighbours(&self, n: u64, _dim: usize) -> (Option<u64>, Option<u64>) {
-        digital_neighbours(n)
-    }
     fn construct(&self, set: &PointSet) -> Box<dyn Points> {
         Box::new(DigitalPoints::new(&sobol_matrices()[..set.dim], set))
     }
@@ -41,11 +36,6 @@ impl Sampler for Sobol {
 
 /// Points of a digital sequence: 2^32, the number of its columns.
 pub(super) const MOST_POINTS: u64 = 1 << 32;
-
-/// Neighbours of a count outside 1 ..= 2^32.
-pub(super) fn digital_neighbours(n: u64) -> (Option<u64>, Option<u64>) {
-    if n == 0 { (None, Some(1)) } else { (Some(MOST_POINTS), None) }
-}
 
 /// Dimensions that have direction numbers.
 const DIMENSIONS: usize = 1024;
@@ -63,8 +53,8 @@ pub(super) fn sobol_matrices() -> &'static [Columns] {
     })
 }
 
-/// Direction numbers of the row "d s a m_1 … m_s" as fractions of 32 bits: degree s and interior coefficients a of the primitive
-/// polynomial, initial m (Joe & Kuo 2008, section 2).
+/// Direction numbers of the row "d s a m_1 … m_s" as fractions of 32 bits: degree s and interior
+/// coefficients a of the primitive polynomial, initial m (Joe & Kuo 2008, section 2).
 fn joe_kuo_row(row: &str) -> [u32; 32] {
     let mut numbers = row.split_ascii_whitespace().skip(1).map_while(|word| word.parse().ok());
     let degree = numbers.next().unwrap_or(0) as usize;

@@ -3,7 +3,7 @@
 use super::hash::{below, splitmix};
 use super::owen::{NestedUniform, levels};
 use super::zero_two::{Order, PaddedPoints, ZeroTwo};
-use super::{Facts, Kind, PointSet, Points, Sampler, Scramble};
+use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
 use crate::rng::StreamKey;
 
 /// A (0,2)-sequence dealt out to pixels in Z-order, N consecutive points to each. Every aligned
@@ -13,6 +13,7 @@ use crate::rng::StreamKey;
 ///
 /// The points of one pixel are those of the scrambled sequence: its own variance is that of
 /// `padded`. A pixel's coordinates are part of its points; all else is common to the picture.
+/// A torus shift, though, is each pixel's own: it leaves a pixel its net, and the picture none.
 #[derive(Debug, Clone, Copy)]
 pub struct ZSobol;
 
@@ -31,6 +32,7 @@ impl Sampler for ZSobol {
             stream_id: 16,
             kind: Kind::Set,
             max_dim: usize::MAX,
+            counts: Admissible::Rule("2^m, m up to 24"),
             scrambles: &[Scramble::OwenHash, Scramble::Owen, Scramble::TorusShift],
             is_random: true,
         }

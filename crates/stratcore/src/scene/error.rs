@@ -1,6 +1,7 @@
 //! What can be wrong with a scene, each with its way out.
 
 use super::camera::CameraFault;
+use crate::input::MAX_LINE;
 
 /// A scene that could not be loaded.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -86,6 +87,16 @@ pub enum SceneError {
     Empty {
         /// The file.
         path: String,
+    },
+    /// A line of an OBJ or MTL file that goes on and on.
+    #[error(
+        "{path}, line {line} is longer than {MAX_LINE} bytes; export it again as a plain polygon OBJ"
+    )]
+    LongLine {
+        /// The file.
+        path: String,
+        /// Line, from 1.
+        line: usize,
     },
     /// More vertices or triangles than 32 bits can count.
     #[error("{path} has more than 2^32 - 1 vertices or triangles; split the scene")]

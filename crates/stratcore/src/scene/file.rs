@@ -2,13 +2,17 @@
 
 use super::library::{self, Model, SCENES};
 use super::light_table::{LightTables, Lights};
-use super::obj::{self, read_text, shown};
+use super::obj;
+use super::text::{document, shown};
 use super::{
     Aperture, AreaLight, Camera, Distribution, Filter, FilterMethod, FilterShape, Lens, Light,
     LightShape, MAX_COORDINATE, Motion, Rgb, Scene, SceneError,
 };
+use crate::input::{self, Open};
 use glam::DVec3;
 use serde::Deserialize;
+use std::cell::RefCell;
+use std::collections::HashSet;
 use std::path::Path;
 
 /// A scene from a `.toml` or `.obj` file, or a built-in one by name ([`SCENES`]).
@@ -18,20 +22,45 @@ use std::path::Path;
 /// # Errors
 /// [`SceneError`] names the file, what is wrong with it, and the way out.
 pub fn load(spec: &str) -> Result<Scene, SceneError> {
-    if let Some(scene) = SCENES.iter().find(|scene| scene.name == spec) {
-        return from_toml(scene.name, scene.toml, Path::new(spec));
-    }
+    load_from(spec, &input::from_disk)
+}
+
+/// The same with files that `open` gives.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_from(spec: &str, open: Open<'_>) -> Result<Scene, SceneError> {
+    let files = RefCell::new(Vec::<String>::new());
+    let open: Open<'_> = &|path: &Path| {
+        let opened = open(path)?;
+        let (mut files, name) = (files.borrow_mut(), shown(path));
+        if !files.contains(&name) {
+            files.push(name);
+        }
+        Ok(opened)
+    };
+    let scene = read(spec, open)?;
+    Ok(Scene { files: files.take(), ..scene })
+}
+
+fn read(spec: &str, open: Open<'_>) -> Result<Scene, SceneError> {
     let path = Path::new(spec);
+    if let Some(scene) = SCENES.iter().find(|scene| scene.name == spec) {
+        return from_toml(scene.name, scene.toml, path, open);
+    }
     let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     match path.extension().map(|e| e.to_string_lossy().to_lowercase()).as_deref() {
-        Some("toml") => from_toml(&name, &read_text(path)?, path),
-        Some("obj") => from_obj(&name, path),
+        Some("toml") => from_toml(&name, &document(open, path)?, path, open),
+        Some("obj") => from_obj(&name, path, open),
         _ => {
             let known = SCENES.iter().map(|s| s.name).collect::<Vec<_>>().join(", ");
             Err(SceneError::UnknownScene { name: spec.to_owned(), known })
         }
     }
 }
+
+/// Most meshes of a scene.
+const MAX_MESHES: usize = 1000;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -123,11 +152,13 @@ struct PathsTable {
     bounces: u32,
 }
 
-fn from_toml(name: &str, text: &str, path: &Path) -> Result<Scene, SceneError> {
+fn from_toml(name: &str, text: &str, path: &Path, open: Open<'_>) -> Result<Scene, SceneError> {
     let file: SceneFile = toml::from_str(text).map_err(|e| {
         let start = e.span().map_or(0, |span| span.start);
         let line = 1 + text.bytes().take(start).filter(|b| *b == b'\n').count();
-        SceneError::SceneFile { path: shown(path), line, fault: e.message().replace('\n', ", ") }
+        let fault = e.message().replace('\n', ", ").replace("u32", "a whole number of at least 0");
+        let fault = format!("{fault}{}", way_out(&fault));
+        SceneError::SceneFile { path: shown(path), line, fault }
     })?;
     let CameraTable { eye, look_at, up, fov_y, resolution } = file.camera;
     let [eye, look_at, up] = [eye, look_at, up].map(DVec3::from_array);
@@ -137,8 +168,9 @@ fn from_toml(name: &str, text: &str, path: &Path) -> Result<Scene, SceneError> {
     let mut notes = Vec::new();
     let mut model = Model::default();
     let mut moved = Vec::new();
+    check_meshes(path, &file.mesh)?;
     for table in &file.mesh {
-        let part = table.read(path, file.shading == Shading::Smooth, &mut notes)?;
+        let part = table.read(path, open, file.shading == Shading::Smooth, &mut notes)?;
         let fits = |a: usize, b: usize| u32::try_from(a + b).is_ok();
         if !fits(model.mesh.positions.len(), part.mesh.positions.len())
             || !fits(model.mesh.triangles.len(), part.mesh.triangles.len())
@@ -177,8 +209,48 @@ fn from_toml(name: &str, text: &str, path: &Path) -> Result<Scene, SceneError> {
         filter,
         ambient,
         background,
+        files: Vec::new(),
         notes,
     })
+}
+
+/// What a key that is missing should say; empty for other faults.
+fn way_out(fault: &str) -> &'static str {
+    match fault.strip_prefix("missing field ") {
+        Some("`kind`") => {
+            "; a light is a headlight, point, directional or area, a filter a box, tent, \
+             gaussian, mitchell or lanczos"
+        }
+        Some("`shape`") => "; an area light is a rectangle, disk, sphere or mesh",
+        Some("`radius`") => "; half the width of the lens's opening",
+        Some("`focus_distance`") => "; how far from the eye, along the view, all is sharp",
+        Some("`camera`") => "; a [camera] has eye, look_at, fov_y and resolution",
+        Some("`mesh`") => "; name at least one [[mesh]] by its path or as a builtin",
+        Some("`position`" | "`intensity`") => "; a point light has position and intensity",
+        Some("`towards`" | "`irradiance`") => "; a directional light has towards and irradiance",
+        _ => "",
+    }
+}
+
+/// A few lines must not ask for triangles without end.
+fn check_meshes(file: &Path, tables: &[MeshTable]) -> Result<(), SceneError> {
+    let fault = |fault: String| Err(SceneError::Feature { path: shown(file), fault });
+    if tables.len() > MAX_MESHES {
+        return fault(format!(
+            "there are {} meshes; a scene has at most {MAX_MESHES}: join some in one OBJ",
+            tables.len()
+        ));
+    }
+    let mut seen = HashSet::new();
+    match tables.iter().find(|table| !seen.insert((&table.path, &table.builtin))) {
+        Some(MeshTable { path, builtin, .. }) if path.is_some() != builtin.is_some() => {
+            let name = path.as_ref().or(builtin.as_ref()).map_or("", String::as_str);
+            fault(format!(
+                "the mesh \"{name}\" stands there twice, in the same place; name it once"
+            ))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// A mesh light is sampled where it was loaded.
@@ -281,11 +353,14 @@ impl MeshTable {
     fn read(
         &self,
         file: &Path,
+        open: Open<'_>,
         smooth: bool,
         notes: &mut Vec<String>,
     ) -> Result<Model, SceneError> {
         let fault = match (&self.path, &self.builtin) {
-            (Some(path), None) => return obj::read(&file.with_file_name(path), smooth, notes),
+            (Some(path), None) => {
+                return obj::read(open, &file.with_file_name(path), smooth, notes);
+            }
             (None, Some(name)) => match library::model(name) {
                 Some(mut model) => {
                     if !smooth {
@@ -323,9 +398,9 @@ pub(super) fn vector(
     value_if_sound.ok_or(SceneError::Value { path, name, value, wanted })
 }
 
-fn from_obj(name: &str, path: &Path) -> Result<Scene, SceneError> {
+fn from_obj(name: &str, path: &Path, open: Open<'_>) -> Result<Scene, SceneError> {
     let mut notes = Vec::new();
-    let model = obj::read(path, false, &mut notes)?;
+    let model = obj::read(open, path, false, &mut notes)?;
     note_degenerate(&model, &mut notes);
     let Model { mesh, materials } = model;
     let camera = framing(&mesh.positions);
@@ -340,6 +415,7 @@ fn from_obj(name: &str, path: &Path) -> Result<Scene, SceneError> {
         filter: None,
         ambient: [0.0; 3],
         background: [0.0; 3],
+        files: Vec::new(),
         notes,
     })
 }

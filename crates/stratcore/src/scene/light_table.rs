@@ -2,8 +2,8 @@
 
 use super::file::{colour, vector};
 use super::library::Model;
-use super::obj::shown;
-use super::{AreaLight, Light, LightShape, Rgb, SceneError};
+use super::text::shown;
+use super::{AreaLight, Distribution, Light, LightShape, Rgb, SceneError};
 use glam::DVec3;
 use serde::Deserialize;
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
@@ -117,10 +117,17 @@ impl LightTables {
                 }
                 LightTable::Area(table) => {
                     let ambient = table.ambient;
-                    lights.area.push(table.read(file, model)?);
+                    let light = table.read(file, model)?;
+                    refuse_again(file, &light, &lights.area, model)?;
+                    lights.area.push(light);
                     (Light::Off, ambient)
                 }
             };
+            if lights.area.len() > Distribution::MAX_LIGHTS {
+                let most = Distribution::MAX_LIGHTS;
+                let fault = format!("there are more than {most} area lights; a scene has no more");
+                return Err(fault_of(file, &fault));
+            }
             if light != Light::Off {
                 if lights.light != Light::Off {
                     let fault = "there are two lights of kind headlight, point or directional; \
@@ -134,6 +141,22 @@ impl LightTables {
         }
         Ok(lights)
     }
+}
+
+/// The triangles of a material would be kept twice, and their light counted twice.
+fn refuse_again(
+    file: &Path,
+    light: &AreaLight,
+    before: &[AreaLight],
+    model: &Model,
+) -> Result<(), SceneError> {
+    let LightShape::Mesh { material, .. } = light.shape else { return Ok(()) };
+    let same = |other: &AreaLight| matches!(other.shape, LightShape::Mesh { material: named, .. } if named == material);
+    if !before.iter().any(same) {
+        return Ok(());
+    }
+    let name = &model.materials[material as usize].name;
+    Err(fault_of(file, &format!("the mesh light \"{name}\" stands there twice; name it once")))
 }
 
 impl AreaTable {
@@ -166,7 +189,10 @@ impl AreaTable {
                 };
                 let edges = [vector(file, "light edges", a)?, vector(file, "light edges", b)?];
                 if edges[0].cross(edges[1]) == DVec3::ZERO {
-                    return Err(fault_of(file, "the edges of a light span no area"));
+                    return Err(fault_of(
+                        file,
+                        "the edges of a light span no area; give two that are not parallel",
+                    ));
                 }
                 LightShape::Rectangle { corner: vector(file, "light corner", corner)?, edges }
             }

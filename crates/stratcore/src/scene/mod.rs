@@ -10,12 +10,13 @@ mod light_table;
 mod obj;
 #[cfg(test)]
 mod tests;
+mod text;
 
 pub use camera::{Camera, CameraFault, PixelFrame};
 pub use distribution::{Aperture, AreaLight, Distribution, Lens, LightShape, Motion};
 pub(crate) use distribution::{SHORT_OF_THE_LIGHT, around, disk};
 pub use error::SceneError;
-pub use file::load;
+pub use file::{load, load_from};
 pub use filter::{Filter, FilterMethod, FilterShape};
 
 use glam::DVec3;
@@ -48,6 +49,9 @@ pub struct Scene {
     pub ambient: Rgb,
     /// Radiance where nothing is hit.
     pub background: Rgb,
+    /// The files that it was read from, in the order in which they were opened; none for a
+    /// built-in scene.
+    pub files: Vec<String>,
     /// What the loader had to assume, in words; empty as a rule.
     pub notes: Vec<String>,
 }

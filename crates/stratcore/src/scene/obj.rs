@@ -5,24 +5,30 @@
 //! (texture coordinates, names, lines, curves) never reaches it.
 
 use super::library::Model;
+use super::text::{Lines, shown};
 use super::{MAX_COORDINATE, Material, Rgb, SceneError, Specular};
+use crate::input::Open;
 use glam::DVec3;
 use std::collections::HashMap;
 use std::fmt::Write;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// Kd where no material says otherwise.
 const DEFAULT_KD: f64 = 0.8;
 
+/// Most MTL files that an OBJ file may name: each is read.
+const MAX_LIBRARIES: usize = 1000;
+
 /// Reads an OBJ file and the MTL files it names. Polygons become fans of triangles in the
 /// file's order. `smooth` asks for the file's normals. What had to be assumed goes to `notes`.
 pub(super) fn read(
+    open: Open<'_>,
     path: &Path,
     smooth: bool,
     notes: &mut Vec<String>,
 ) -> Result<Model, SceneError> {
-    let text = read_text(path)?;
-    let checked = Checked::obj(path, &text, notes)?;
+    let checked = Checked::obj(open, path, notes)?;
     let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
     let library = |name: &Path| {
         let text = checked.libraries.get(name).map_or("", String::as_str);
@@ -116,19 +122,6 @@ fn specular(m: &tobj::Material) -> Specular {
     }
 }
 
-/// The file's text; bytes that are no UTF-8 (old comments and names) become replacement
-/// characters.
-pub(super) fn read_text(path: &Path) -> Result<String, SceneError> {
-    let unreadable =
-        |e: std::io::Error| SceneError::Unreadable { path: shown(path), fault: e.to_string() };
-    let bytes = std::fs::read(path).map_err(unreadable)?;
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
-}
-
-pub(super) fn shown(path: &Path) -> String {
-    path.display().to_string()
-}
-
 /// An OBJ file's text, reduced to what we use and known to be sound.
 #[derive(Default)]
 struct Checked {
@@ -141,13 +134,23 @@ struct Checked {
 }
 
 impl Checked {
-    fn obj(path: &Path, text: &str, notes: &mut Vec<String>) -> Result<Self, SceneError> {
-        let count = |key| text.lines().filter(|l| l.split_whitespace().next() == Some(key)).count();
-        let totals = [count("v"), count("vn")];
+    /// In two passes, since a face may name vertices that come later: the file, however large,
+    /// is never held whole.
+    fn obj(open: Open<'_>, path: &Path, notes: &mut Vec<String>) -> Result<Self, SceneError> {
+        let mut totals = [0, 0];
+        let mut lines = Lines::open(open, path)?;
+        while let Some((_, line)) = lines.next_line()? {
+            match keyword(&line).0 {
+                "v" => totals[0] += 1,
+                "vn" => totals[1] += 1,
+                _ => {}
+            }
+        }
         let mut seen = [0, 0];
         let mut checked = Self::default();
-        for (number, line) in (1..).zip(text.lines()) {
-            let (key, rest) = keyword(line);
+        let mut lines = Lines::open(open, path)?;
+        while let Some((number, line)) = lines.next_line()? {
+            let (key, rest) = keyword(&line);
             let at_line = |fault| SceneError::Line { path: shown(path), line: number, fault };
             match key {
                 "v" => {
@@ -165,10 +168,16 @@ impl Checked {
                     checked.names_materials = true;
                     checked.text += &format!("usemtl {rest}\n");
                 }
-                "mtllib" => {
+                // Named again, it says nothing new.
+                "mtllib" if !checked.libraries.contains_key(Path::new(rest)) => {
+                    if checked.libraries.len() == MAX_LIBRARIES {
+                        let fault = format!(
+                            "more than {MAX_LIBRARIES} material libraries; join them in one MTL file"
+                        );
+                        return Err(at_line(fault));
+                    }
                     checked.text += &format!("mtllib {rest}\n");
-                    let library = path.with_file_name(rest);
-                    let text = checked_mtl(&library, notes)?;
+                    let text = checked_mtl(open, &path.with_file_name(rest), notes)?;
                     checked.libraries.insert(PathBuf::from(rest), text);
                 }
                 _ => {}
@@ -222,15 +231,20 @@ impl Checked {
 }
 
 /// The lines of an MTL file that we use. A file that is not there leaves a note and no lines.
-fn checked_mtl(path: &Path, notes: &mut Vec<String>) -> Result<String, SceneError> {
-    if matches!(path.try_exists(), Ok(false)) {
+fn checked_mtl(open: Open<'_>, path: &Path, notes: &mut Vec<String>) -> Result<String, SceneError> {
+    let is_missing = |found: &io::Result<_>| {
+        found.as_ref().is_err_and(|error| error.kind() == io::ErrorKind::NotFound)
+    };
+    let found = open(path);
+    if is_missing(&found) {
         notes.push(format!("{} is missing: its materials get Kd {DEFAULT_KD}", path.display()));
         return Ok(String::new());
     }
-    let mut checked = String::new();
-    for (line_number, line) in (1..).zip(read_text(path)?.lines()) {
-        let at_line = |fault| SceneError::Line { path: shown(path), line: line_number, fault };
-        match keyword(line) {
+    let mut lines = Lines::new(found, path)?;
+    let (mut checked, mut textures) = (String::new(), 0);
+    while let Some((number, line)) = lines.next_line()? {
+        let at_line = |fault| SceneError::Line { path: shown(path), line: number, fault };
+        match keyword(&line) {
             ("newmtl", "") => return Err(at_line("a material needs a name".to_owned())),
             ("newmtl", name) => checked += &format!("newmtl {name}\n"),
             (key @ ("Kd" | "Ke" | "Ks" | "Tf"), rest) => {
@@ -238,7 +252,7 @@ fn checked_mtl(path: &Path, notes: &mut Vec<String>) -> Result<String, SceneErro
                 checked += &format!("{key} {r:e} {g:e} {b:e}\n");
             }
             ("Ni", rest) => {
-                let index = number(rest, 1e3).map_err(at_line)?;
+                let index = self::number(rest, 1e3).map_err(at_line)?;
                 if index <= 0.0 {
                     return Err(at_line(format!("refractive index {index} is not above 0")));
                 }
@@ -250,8 +264,12 @@ fn checked_mtl(path: &Path, notes: &mut Vec<String>) -> Result<String, SceneErro
                 })?;
                 checked += &format!("illum {model}\n");
             }
-            _ => {}
+            (key, _) => textures += usize::from(key.starts_with("map_")),
         }
+    }
+    if textures > 0 {
+        let path = path.display();
+        notes.push(format!("{path}: {textures} textures are not read; colours are those of Kd"));
     }
     Ok(checked)
 }

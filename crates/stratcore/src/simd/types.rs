@@ -17,7 +17,7 @@ pub(crate) struct Lanes4 {
 /// A facet for the kernels.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Facet32 {
-    /// Three edges, inside where none is negative; 1/t.
+    /// Three edges, inside where none is negative; 1/t in a unit that the pixel chooses.
     pub lanes: Lanes4,
     /// Rounding of 1/t anywhere in the pixel.
     pub w_slack: f32,
@@ -192,6 +192,9 @@ pub(crate) struct Work {
     pub(super) records: Vec<Record>,
     pub(super) shades: Vec<Shade>,
     pub(super) tile: Option<Tile>,
+    /// Facets from which on a tile is crowded, and such a tile.
+    pub(super) crowd: usize,
+    pub(super) crowded: Option<Tile>,
     /// The lists of the pieces' strata; their occluders are in `occluders`.
     pub(super) list: Vec<Entry>,
     pub(super) pieces: Vec<Piece>,

@@ -5,7 +5,9 @@ use crate::discrepancy::Measure;
 use crate::error::StudyError;
 use crate::fit::{Fit, power_law};
 use crate::rng::StreamKey;
-use crate::sampler::{self, CountPolicy, PointSet, Scramble, whole_set};
+use crate::sampler::{
+    self, CountPolicy, PointSet, Scramble, most_trials_but_for_shifts, whole_set,
+};
 use crate::variance::Moments;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -154,9 +156,13 @@ fn of_sampler(
                 Ok(values)
             })
             .collect::<Result<_, _>>()?;
+        let but_for_shifts = most_trials_but_for_shifts(sampler, n_used, scramble);
         for (i, curve) in curves.iter_mut().enumerate() {
-            let of_measure: Vec<_> = values.iter().map(|trial| trial[i]).collect();
-            let is_l2 = curve.measure.is_l2();
+            let measure = curve.measure;
+            let trials = if measure.ignores_shifts() { trials.min(but_for_shifts) } else { trials };
+            let of_measure: Vec<_> =
+                values[..trials as usize].iter().map(|trial| trial[i]).collect();
+            let is_l2 = measure.is_l2();
             curve.rows.push(DiscrepancyRow::new(n, n_used, trials, &of_measure, is_l2));
         }
     }

@@ -4,7 +4,7 @@ use super::{Control, SamplerChoice};
 use crate::error::StudyError;
 use crate::integrand::Integrand;
 use crate::rng::StreamKey;
-use crate::sampler::{self, CountPolicy, PointSet, whole_set};
+use crate::sampler::{self, CountPolicy, PointSet, most_trials_but_for_shifts, whole_set};
 use crate::scene::Channel;
 use crate::spectrum::{Spectrum, of_picture, of_points};
 use crate::trace::TracedScene;
@@ -16,9 +16,9 @@ use std::sync::atomic::Ordering;
 const BATCH: u32 = 16;
 
 /// The mean periodogram of trials 0 .. M of a point set: at most as many as there are different
-/// sets. `axes` are two of the set's dimensions. `set` is as a sampler's
-/// [`points`](sampler::Sampler::points) takes it; its trial is ignored. Progress is counted in
-/// points. `each` is handed the mean so far, which is that of as many trials.
+/// ones, and a torus shift changes none. `axes` are two of the set's dimensions. `set` is as a
+/// sampler's [`points`](sampler::Sampler::points) takes it; its trial is ignored. Progress is
+/// counted in points. `each` is handed the mean so far, which is that of as many trials.
 ///
 /// # Errors
 /// [`StudyError::EmptyPlan`] for no trials; those of [`whole_set`]; [`StudyError::Cancelled`].
@@ -31,7 +31,8 @@ pub fn point_spectrum(
     control: Control<'_>,
     each: &mut dyn FnMut(&Spectrum),
 ) -> Result<Spectrum, StudyError> {
-    let n_trials = n_trials.min(sampler.most_trials(set.key.n_samples, set.scramble));
+    let different = most_trials_but_for_shifts(sampler, set.key.n_samples, set.scramble);
+    let n_trials = n_trials.min(different);
     let periodogram = |trial| {
         if control.cancel.load(Ordering::Relaxed) {
             return Err(StudyError::Cancelled);

@@ -4,6 +4,7 @@
 //! Expansions and their sums: J. R. Shewchuk, *Adaptive Precision Floating-Point Arithmetic and
 //! Fast Robust Geometric Predicates*, Discrete & Computational Geometry 18, 1997.
 
+use crate::double::{two_product, two_sum};
 use glam::DVec3;
 
 /// a·(b×c): its sign is exact and its value is within a few ulps, as long as no product of
@@ -55,17 +56,6 @@ impl Expansion {
         }
         self.len = len;
     }
-}
-
-fn two_product(a: f64, b: f64) -> (f64, f64) {
-    let product = a * b;
-    (product, a.mul_add(b, -product))
-}
-
-fn two_sum(a: f64, b: f64) -> (f64, f64) {
-    let sum = a + b;
-    let b_part = sum - a;
-    (sum, (a - (sum - b_part)) + (b - b_part))
 }
 
 #[cfg(test)]

@@ -5,7 +5,9 @@ use super::*;
 use crate::integrand::Integrand;
 use crate::sampler::{Jittered, PointSet, Scramble};
 use crate::scene::library::{Model, cube, icosphere, torus};
-use crate::scene::{Camera, Channel, Distribution, Light, Material, Mesh, Rgb, Scene, load};
+use crate::scene::{
+    AreaLight, Camera, Channel, Distribution, Light, LightShape, Material, Mesh, Rgb, Scene, load,
+};
 use crate::study::{Control, SamplerChoice, StudyPlan, study};
 use crate::theory::Class;
 use glam::{DVec3, dvec3};
@@ -36,6 +38,7 @@ fn scene_of(mesh: Mesh, eye: DVec3, light: Light) -> Scene {
         filter: None,
         ambient: [0.0; 3],
         background: [0.1, 0.2, 0.3],
+        files: Vec::new(),
         notes: Vec::new(),
     }
 }
@@ -257,6 +260,50 @@ fn point_and_directional_lights_follow_their_formulas_and_cast_shadows() {
     let lit = scene.radiance(low_eye, dvec3(-3.0, -0.5, 0.0));
     assert!(close(lit, [0.4, 0.2, 0.6]), "{lit:?}");
     assert_eq!(scene.radiance(low_eye, dvec3(2.5, -0.5, 0.0)), [0.0; 3]);
+}
+
+/// Each triangle twice, and a third of the same plane: no sample of the beam or of rays is in
+/// the shadow of the surface that it lies on.
+#[test]
+fn doubles_cast_no_shadow_on_their_surface() {
+    let eye = dvec3(0.3, 3.1, 0.7);
+    let lamp = AreaLight {
+        shape: LightShape::Rectangle {
+            corner: dvec3(-1.0, 5.0, -1.0),
+            edges: [DVec3::X * 2.0, DVec3::Z * 2.0],
+        },
+        radiance: WHITE,
+    };
+    let slant = |p: DVec3| dvec3(p.x, p.y + 0.13 * p.x - 0.07 * p.z, p.z);
+    let once = Mesh { positions: floor().positions.into_iter().map(slant).collect(), ..floor() };
+    let mut twice = once.clone();
+    twice.triangles.extend([[0, 1, 2], [3, 4, 5], [1, 2, 5]]);
+    twice.materials.resize(5, 0);
+    let point = Light::Point { position: dvec3(0.4, 4.0, 0.2), intensity: WHITE };
+    for (light, lights) in [(point, vec![]), (Light::Off, vec![lamp])] {
+        let distribution = Distribution { lights, ..Distribution::default() };
+        let scenes = [&once, &twice].map(|mesh| Scene {
+            distribution: distribution.clone(),
+            ..scene_of(mesh.clone(), eye, light)
+        });
+        for tracer in [Tracer::Beam, Tracer::Bvh] {
+            let [once, twice] =
+                scenes.clone().map(|scene| TracedScene::new(scene).with_tracer(tracer));
+            let mut random = random();
+            for pixel in [[30, 20], [10, 40], [60, 47]] {
+                let pixels = [&once, &twice].map(|scene| scene.pixel(pixel, Channel::G));
+                for _ in 0..500 {
+                    let at: [f64; 4] = std::array::from_fn(|_| random.random());
+                    let [a, b] = pixels.each_ref().map(|p| p.eval(&at[..p.dim()]));
+                    // Of coplanar triangles either may be seen; their normals round apart.
+                    assert!(
+                        (a - b).abs() <= 1e-12 * a && a > 0.0,
+                        "{tracer:?} {pixel:?} {at:?}: {a} {b}"
+                    );
+                }
+            }
+        }
+    }
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::moment::{Moment, Still};
 use super::rays::{Radiance, rays};
 use super::scatter::{Direct, Scatter};
 use super::{Accel, Crossing, Filtered, PixelIntegrand, Ray, Tracer};
-use crate::scene::{Channel, Rgb, Scene};
+use crate::scene::{Channel, Filter, Rgb, Scene};
 use glam::DVec3;
 
 /// A scene with its BVH.
@@ -70,6 +70,13 @@ impl TracedScene {
         Self { tracer, ..self }
     }
 
+    /// The same scene, its pixels weighed by this filter.
+    #[must_use]
+    pub fn with_filter(mut self, filter: Option<Filter>) -> Self {
+        self.scene.filter = filter;
+        self
+    }
+
     /// How its pixels are sampled.
     pub fn tracer(&self) -> Tracer {
         self.tracer
@@ -128,15 +135,25 @@ impl TracedScene {
         const STOP: f64 = -1.0;
         let mut blocked = false;
         self.accel.walk(ray.origin, ray.direction, t_max, |id, limit| {
+            let corners = moment.corners(&self.scene.mesh, id as usize);
             let is_between = !blocked
                 && Some(id) != skip
-                && ray
-                    .meets(moment.corners(&self.scene.mesh, id as usize))
-                    .is_some_and(|crossing| crossing.inverse_t * t_max > 1.0);
+                && ray.meets(corners).is_some_and(|crossing| crossing.inverse_t * t_max > 1.0)
+                && !(skip.is_some() && self.starts_on(ray, corners));
             blocked |= is_between;
             if blocked { STOP } else { limit }
         });
         blocked
+    }
+
+    /// Whether the ray starts in the triangle's plane, to rounding: on a double of the triangle
+    /// that it leaves, or on another of that plane. Such a one neither shadows nor reflects.
+    fn starts_on(&self, ray: &Ray, [a, b, c]: [DVec3; 3]) -> bool {
+        /// The beam's bound for coplanar neighbours.
+        const ROUNDING: f64 = 1e-10;
+        let normal = (b - a).cross(c - a);
+        let from_eye = normal.dot(a - self.scene.camera.eye).abs();
+        normal.dot(ray.origin - a).abs() <= ROUNDING * from_eye
     }
 
     /// Linear radiance along a ray, by the lights that have no area.
@@ -157,7 +174,9 @@ impl TracedScene {
             if Some(id) == skip {
                 return limit;
             }
-            match ray.meets(moment.corners(&self.scene.mesh, id as usize)) {
+            let corners = moment.corners(&self.scene.mesh, id as usize);
+            match ray.meets(corners) {
+                Some(_) if skip.is_some() && self.starts_on(ray, corners) => limit,
                 Some(crossing) => {
                     Nearest::consider(&mut best, id, crossing);
                     limit.min(1.0 / crossing.inverse_t)

@@ -38,9 +38,10 @@ pub struct Reach {
     /// Its 95 % interval, from those of the errors; an end beyond the measured N is missing.
     pub n_ci95: [Option<f64>; 2],
     /// The smallest N of the plan from which on the error's whole interval lies below the
-    /// target. Beyond the plan's N the next one that the sampler can make.
+    /// target. Beyond the plan's N the first that was seen to do so.
     pub n_safe: Option<u64>,
-    /// `n_safe` lies beyond what was measured, on a line through the last half of the rows.
+    /// `n_safe` was not measured, for it asks for too many samples: it lies on a line through
+    /// the last half of the rows.
     pub extrapolated: bool,
     /// Nanoseconds of one estimate of `n_safe` samples.
     pub ns: Option<Quartiles>,
@@ -99,11 +100,33 @@ pub(super) fn choose(
             reach(curve, error, &|n| next_admitted(choice.sampler, n, dim, rectangular))
         })
         .collect();
-    let time = |i: &usize| reach[*i].ns.map_or(f64::INFINITY, |ns| ns.median);
-    let best =
-        (0..reach.len()).filter(|i| time(i).is_finite()).min_by(|a, b| time(a).total_cmp(&time(b)));
-    let by_eval_cost = by_eval_cost(&reach);
-    Choice { target, error, reach, best, by_eval_cost, confirmation: None }
+    let (best, by_eval_cost, confirmation) = Default::default();
+    let mut choice = Choice { target, error, reach, best, by_eval_cost, confirmation };
+    choice.choose_fastest();
+    choice
+}
+
+impl Choice {
+    /// The best of the ways as they stand.
+    pub(super) fn choose_fastest(&mut self) {
+        let time = |i: &usize| self.reach[*i].ns.map_or(f64::INFINITY, |ns| ns.median);
+        let ways = (0..self.reach.len()).filter(|i| time(i).is_finite());
+        self.best = ways.min_by(|a, b| time(a).total_cmp(&time(b)));
+        self.by_eval_cost = by_eval_cost(&self.reach);
+    }
+}
+
+impl Reach {
+    /// With the times of `n_safe`, which are those of the curve's row at N or of the last before.
+    pub(super) fn timed(mut self, curve: &SamplerTrade) -> Self {
+        let at = |n: u64| curve.rows.iter().rev().find(|row| row.error.n <= n);
+        if let Some((n, row)) = self.n_safe.and_then(|n| Some((n, at(n)?))) {
+            let scale = n as f64 / row.error.n as f64;
+            self.ns = Some(row.ns_per_estimate.map(|ns| ns * scale));
+            self.generation_ns = Some(row.time.generation_ns.median);
+        }
+        self
+    }
 }
 
 fn reach(curve: &SamplerTrade, error: f64, admitted: &dyn Fn(u64) -> Option<u64>) -> Reach {
@@ -121,22 +144,17 @@ fn reach(curve: &SamplerTrade, error: f64, admitted: &dyn Fn(u64) -> Option<u64>
         Some(i) => (Some(upper[i].0), false),
         None => (n_hi.and_then(|n| admitted(n.ceil() as u64)), true),
     };
-    // The row at N, or the last one before it.
-    let at = |n: u64| curve.rows.iter().rev().find(|row| row.error.n <= n);
-    let ns = n_safe.and_then(|n| {
-        let row = at(n)?;
-        Some(row.ns_per_estimate.map(|ns| ns / row.error.n as f64 * n as f64))
-    });
-    Reach {
+    let reach = Reach {
         name: curve.name,
         scramble: curve.scramble,
         n,
         n_ci95: [n_lo, within(&upper)],
         n_safe,
         extrapolated: extrapolated && n_safe.is_some(),
-        ns,
-        generation_ns: n_safe.and_then(at).map(|row| row.time.generation_ns.median),
-    }
+        ns: None,
+        generation_ns: None,
+    };
+    reach.timed(curve)
 }
 
 /// The first row from which on all errors are within the target: an edge along the axes has

@@ -3,7 +3,9 @@
 use super::mean_square_error;
 use crate::fit::Z95;
 use crate::integrand::Reference;
+use crate::noise::pooled_noise;
 use crate::study::{Row, StudyResult};
+use crate::variance::Moments;
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -50,6 +52,16 @@ pub(super) fn error_curves(
     (0..first.samplers.len()).map(curve).collect()
 }
 
+/// The error at one N alone, from the trial means of each subject.
+pub(super) fn error_at(n: u64, means: &[Vec<f64>], references: &[Reference]) -> ErrorRow {
+    let of = |(means, reference): (&Vec<f64>, &Reference)| {
+        let moments = Moments::of(means);
+        let noise = pooled_noise(&[(n, moments)])[0];
+        Error::new(&moments, noise.ci95(moments.variance), reference)
+    };
+    together(n, &means.iter().zip(references).map(of).collect::<Vec<_>>())
+}
+
 /// The error of one subject.
 struct Error {
     mse: f64,
@@ -58,9 +70,14 @@ struct Error {
 
 impl Error {
     fn of(row: &Row, trials: u32, reference: &Reference) -> Self {
-        let mse = mean_square_error(&row.moments(trials), reference);
-        let ci95 = if row.variance_of_mean > 0.0 {
-            row.ci95().map(|end| end / row.variance_of_mean * mse)
+        Self::new(&row.moments(trials), row.ci95(), reference)
+    }
+
+    /// `ci95` is that of the variance.
+    fn new(moments: &Moments, ci95: [f64; 2], reference: &Reference) -> Self {
+        let mse = mean_square_error(moments, reference);
+        let ci95 = if moments.variance > 0.0 {
+            ci95.map(|end| end / moments.variance * mse)
         } else if mse > 0.0 {
             [mse, f64::INFINITY]
         } else {

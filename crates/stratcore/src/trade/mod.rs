@@ -5,6 +5,7 @@
 //! caller's clock. From both follow the Pareto front, the N and the time that reach a target
 //! error, and which sampler is the fastest way there.
 
+mod beyond;
 mod choice;
 mod error_curve;
 pub mod needed;
@@ -126,7 +127,8 @@ pub struct TradeRow {
     pub pareto: bool,
 }
 
-/// Measures errors, then times, then chooses, and confirms each choice with fresh randomness.
+/// Measures errors, then times, then chooses, measures an N beyond the plan's before it is
+/// chosen, and confirms each choice with fresh randomness.
 ///
 /// Errors are measured on all threads of the pool, times on the calling thread alone.
 ///
@@ -144,7 +146,7 @@ pub fn trade(
     }
     let dim = first.integrand.dim();
     let counts = plan.study.counts_used(dim)?;
-    let references = references(subjects, &plan.study, control)?;
+    let mut references = references(subjects, &plan.study, control)?;
     let studies: Vec<StudyResult> = subjects
         .par_iter()
         .map(|subject| study(subject.integrand, subject.pixel, &plan.study, control))
@@ -168,6 +170,14 @@ pub fn trade(
         .map(|&target| {
             let absolute = target.absolute(mean.mean);
             let mut choice = choice::choose(target, absolute, &samplers, &plan.study, dim);
+            beyond::secure(
+                &mut choice,
+                &samplers,
+                subjects,
+                &mut references,
+                &plan.study,
+                control,
+            )?;
             choice::confirm(&mut choice, subjects, &references, &plan.study, control)?;
             Ok(choice)
         })
@@ -177,7 +187,7 @@ pub fn trade(
         subjects: subjects.len(),
         seed: plan.study.seed,
         trials: plan.study.n_trials,
-        reference: mean,
+        reference: mean_reference(&references),
         eval_cost: plan.eval_cost,
         timing,
         samplers,

@@ -83,10 +83,15 @@ pub struct NeedMap {
     /// The largest share of its area that a feature can have that an exact pixel hides from all
     /// samples of the measurement, at 95 %: 3 over their number.
     pub unseen_share: f64,
-    /// Errors with the map's N.
+    /// Errors with the map's N, of the pixels that are not exact.
     pub adaptive: Flatness,
     /// Errors with the uniform N.
     pub uniform: Flatness,
+    /// Errors with the map's N of the pixels that it gives more than one sample. The others
+    /// cannot be given less, however far below the target they are.
+    pub adaptive_above_one: Flatness,
+    /// Errors of the same pixels with the uniform N.
+    pub uniform_above_one: Flatness,
 }
 
 /// One pixel's need and the proof's measurements.
@@ -102,7 +107,7 @@ pub struct PixelNeed {
     pub rmse_uniform: f64,
 }
 
-/// How errors spread over the pixels that are not exact, in units of the target.
+/// How errors spread over pixels, in units of the target.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Flatness {
     /// Root of the mean square error over those pixels.
@@ -229,6 +234,12 @@ impl Job<'_> {
         let kinds = [Need::Measured, Need::Extrapolated, Need::Capped, Need::Exact, Need::Rare]
             .map(|kind| (kind, needs.iter().filter(|(_, need)| *need == kind).count() as u64));
         let per_pixel = counts[0].iter().sum::<u64>() * u64::from(self.study.n_trials);
+        let all = |pixel: &PixelNeed| pixel.need != Need::Exact;
+        let above_one = |pixel: &PixelNeed| all(pixel) && pixel.n > 1;
+        let flatness = |of: &dyn Fn(&PixelNeed) -> bool, rmse: fn(&PixelNeed) -> f64| {
+            Flatness::of(pixels.iter().filter(|pixel| of(pixel)).map(rmse), self.error)
+        };
+        let (adaptive, uniform) = (|pixel: &PixelNeed| pixel.rmse, |p: &PixelNeed| p.rmse_uniform);
         Ok(NeedMap {
             sampler: choice.sampler.name(),
             scramble: choice.scramble,
@@ -237,8 +248,10 @@ impl Job<'_> {
             uniform_spp_for_all: needs.iter().map(|(n, _)| *n).max().unwrap_or(1),
             kinds: kinds.to_vec(),
             unseen_share: 3.0 / per_pixel as f64,
-            adaptive: Flatness::of(&pixels, self.error, |pixel| pixel.rmse),
-            uniform: Flatness::of(&pixels, self.error, |pixel| pixel.rmse_uniform),
+            adaptive: flatness(&all, adaptive),
+            uniform: flatness(&all, uniform),
+            adaptive_above_one: flatness(&above_one, adaptive),
+            uniform_above_one: flatness(&above_one, uniform),
             pixels,
         })
     }
@@ -306,9 +319,8 @@ fn need(
 }
 
 impl Flatness {
-    fn of(pixels: &[PixelNeed], error: f64, rmse: impl Fn(&PixelNeed) -> f64) -> Self {
-        let varying = pixels.iter().filter(|pixel| pixel.need != Need::Exact);
-        let mut errors: Vec<f64> = varying.map(|pixel| rmse(pixel) / error).collect();
+    fn of(rmse: impl Iterator<Item = f64>, error: f64) -> Self {
+        let mut errors: Vec<f64> = rmse.map(|rmse| rmse / error).collect();
         errors.sort_by(f64::total_cmp);
         let count = errors.len() as f64;
         let squares: f64 = errors.iter().map(|e| e * e).sum();

@@ -4,7 +4,7 @@ use super::{Job, RightOfWay, Wake};
 use std::sync::Arc;
 use stratcore::integrand::Integrand as _;
 use stratcore::rng::StreamKey;
-use stratcore::sampler::{CountPolicy, PointSet, count_used, strata_per_axis};
+use stratcore::sampler::{CountPolicy, PointSet, Scramble, count_used};
 use stratcore::scene::Channel;
 use stratcore::study::{Control, Inside, SamplerChoice, inside};
 use stratcore::trace::TracedScene;
@@ -100,10 +100,9 @@ fn points(asked: &PointsAsked, dim: usize) -> Result<Points, String> {
     let mut coordinates = vec![0.0; n as usize * dim];
     choice.sampler.points(&set).fill(0, &mut coordinates);
     let points = coordinates.chunks_exact(dim).map(|p| [p[0], p[dim.min(2) - 1]]).collect();
+    // A shift takes the points out of their strata.
     let strata = match choice.sampler.strata(n, dim) {
-        Some(strata) if dim >= 2 => Some([strata[0], strata[1]]),
-        _ if choice.sampler.name() == "jittered" && dim == 2 => {
-            let strata = strata_per_axis(n, 2);
+        Some(strata) if dim >= 2 && choice.scramble == Scramble::None => {
             Some([strata[0], strata[1]])
         }
         _ => None,
@@ -134,6 +133,7 @@ mod tests {
     #[test]
     fn samplers_without_strata_have_no_grid_and_unknown_ones_are_named() {
         assert_eq!(points(&asked("random", 9), 2).unwrap().2, None);
+        assert_eq!(points(&asked("jittered+torus-shift", 9), 2).unwrap().2, None);
         assert!(points(&asked("jitered", 9), 2).unwrap_err().contains("jitered"));
     }
 }

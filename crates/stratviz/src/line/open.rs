@@ -121,9 +121,9 @@ fn open_trade(state: &mut State, args: &TradeArgs) -> Result<(), String> {
     state.scene.clone_from(&args.subject);
     state.trade = TradeWords { whole: args.at.is_none(), lattice: args.lattice };
     state.study.error = error;
-    state.study.samplers = trimmed(&args.samplers);
-    state.study.counts = args.counts.clone().unwrap_or_default();
-    state.study.n_policy = CountPolicy::from(args.n_policy);
+    state.study.samplers = trimmed(&args.protocol.samplers);
+    state.study.counts = args.protocol.counts.clone().unwrap_or_default();
+    state.study.n_policy = CountPolicy::from(args.protocol.n_policy);
     state.page = Page::Trade;
     Ok(())
 }

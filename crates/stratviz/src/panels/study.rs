@@ -121,7 +121,7 @@ fn sampler_line(ui: &mut Ui, sampler: &dyn Sampler, words: &mut StudyWords) {
     let place = words.samplers.iter().position(|word| base(word));
     let mut chosen = place.is_some();
     let facts = sampler.facts();
-    let hint = format!("{}\n{}", facts.summary, facts.source);
+    let hint = format!("{}\nN = {}\n{}", facts.summary, facts.counts, facts.source);
     if ui.checkbox(&mut chosen, sampler.name()).on_hover_text(hint).changed() {
         match place {
             // One always remains.

@@ -2,15 +2,14 @@
 
 use super::verdicts::verdicts;
 use crate::output::{self, AtomicFile};
-use crate::report::PlotFile;
-use crate::report::literature;
 use crate::report::page::{self, Figure};
 use crate::report::summary::Summary;
 use crate::report::svg::Svg;
-use crate::report::trade;
+use crate::report::{PlotFile, dimensions, literature, trade};
 use anyhow::{Context, Result};
 use std::fs;
 use std::path::{Path, PathBuf};
+use stratcore::input::{self, MAX_DATA};
 
 /// A report being written.
 pub struct Report {
@@ -41,7 +40,11 @@ impl Report {
     pub fn write(&mut self) -> Result<()> {
         self.summary.verdicts = verdicts(&self.summary);
         let mut page = page::render(&self.summary, &self.figures);
-        for (file, title) in [(literature::PAGE, literature::TITLE), (trade::PAGE, trade::TITLE)] {
+        for (file, title) in [
+            (literature::PAGE, literature::TITLE),
+            (trade::PAGE, trade::TITLE),
+            (dimensions::PAGE, dimensions::TITLE),
+        ] {
             if self.folder.join(file).exists() {
                 page = page::with_link(&page, file, title);
             }
@@ -60,7 +63,7 @@ impl Report {
 /// A report of the paper that is there already gets its link to another page in the folder.
 pub fn link_from_report(folder: &Path, file: &str, title: &str) -> Result<()> {
     let path = folder.join(page::NAME);
-    match fs::read_to_string(&path) {
+    match input::read_text(&path, MAX_DATA) {
         Ok(report) => write(&path, page::with_link(&report, file, title).as_bytes()),
         // There is none, or it is not ours to touch.
         Err(_) => Ok(()),

@@ -50,7 +50,7 @@ pub fn run(scene: Scene, path: &Path, args: &TradeArgs, common: &Common) -> Resu
     let [width, height] = scene.camera.resolution;
     let traced = TracedScene::new(scene);
     let dim = traced.pixel([0, 0], Channel::Luminance).dim();
-    let mut study = plan::trade_study_plan(args, common, dim)?;
+    let mut study = plan::study_plan(&args.protocol, common, dim)?;
     // Random points need no map to be beaten: they are mapped where they are asked for alone.
     if study.samplers.iter().any(|choice| choice.sampler.name() != "random") {
         study.samplers.retain(|choice| choice.sampler.name() != "random");
@@ -69,7 +69,7 @@ pub fn run(scene: Scene, path: &Path, args: &TradeArgs, common: &Common) -> Resu
     let document =
         Document { scene: &name, trials, seed, output: path, picture: &png, needed: &found };
     let comments = serde_json::to_string(&document)?;
-    exr_file.commit(&picture::exr_channels(found.size, channels(&found), &comments)?)?;
+    exr_file.commit(&picture::exr::encode(found.size, channels(&found), &comments)?)?;
     let drawing = figures::draw(&format!("{name}: samples needed"), &found);
     let png_bytes = drawing.to_png(crate::report::PNG_SCALE).map_err(anyhow::Error::msg)?;
     png_file.commit(&png_bytes)?;
@@ -150,6 +150,8 @@ fn sampler_text(map: &NeedMap, pixels: f64) -> String {
          samples needed: {}, {} a pixel in the mean; uniform spp that give every pixel enough: \
          {}\n\
          pixels: {}; an exact one may hide a feature of up to {} of its area (95 %)\n  \
+         with the map:     {}\n  uniform, {} spp: {}\n\
+         of the pixels with more than one sample:\n  \
          with the map:     {}\n  uniform, {} spp: {}\n",
         label(map.sampler, map.scramble),
         map.total,
@@ -160,5 +162,8 @@ fn sampler_text(map: &NeedMap, pixels: f64) -> String {
         spread(&map.adaptive),
         map.uniform_spp,
         spread(&map.uniform),
+        spread(&map.adaptive_above_one),
+        map.uniform_spp,
+        spread(&map.uniform_above_one),
     )
 }

@@ -4,9 +4,9 @@ use crate::plan::default_counts;
 use anyhow::{Context, Result, bail, ensure};
 use serde::Deserialize;
 use std::collections::{BTreeMap, HashSet};
-use std::fs;
 use std::path::{Path, PathBuf};
 use stratcore::counts::parse_counts;
+use stratcore::input::{self, MAX_DOCUMENT};
 use stratcore::map::Region;
 use stratcore::sampler::{CountPolicy, Scramble};
 use stratcore::scene::Channel;
@@ -75,10 +75,16 @@ pub struct SceneEntry {
 impl StudyFile {
     /// Reads and checks the file. Paths of scenes are relative to it.
     pub fn read(path: &Path) -> Result<Self> {
+        let text = input::read_text(path, MAX_DOCUMENT).with_context(|| {
+            format!("cannot read {}; give the path of a study's .toml", path.display())
+        })?;
+        Self::parse(path, &text)
+    }
+
+    /// The same of the text of the file at `path`.
+    pub fn parse(path: &Path, text: &str) -> Result<Self> {
         let shown = path.display();
-        let text = fs::read_to_string(path)
-            .with_context(|| format!("cannot read {shown}; give the path of a study's .toml"))?;
-        let keys: Keys = toml::from_str(&text).map_err(|error| {
+        let keys: Keys = toml::from_str(text).map_err(|error| {
             let start = error.span().map_or(0, |span| span.start);
             let line = 1 + text.bytes().take(start).filter(|b| *b == b'\n').count();
             anyhow::anyhow!("{shown}, line {line}: {}", error.message())
@@ -172,6 +178,10 @@ fn scenes(keys: &Keys, path: &Path) -> Result<Vec<SceneEntry>> {
         };
         let stem = Path::new(text).file_stem().unwrap_or_default();
         let name = stem.to_string_lossy().into_owned();
+        ensure!(
+            !["summary", "report"].contains(&name.to_lowercase().as_str()),
+            "scenes: \"{text}\" would be written where the study's own {name} is; rename it"
+        );
         if entries.iter().any(|entry| entry.name == name) {
             bail!("scenes: two are called \"{name}\", and so would be their files; rename one");
         }
@@ -190,6 +200,7 @@ fn scenes(keys: &Keys, path: &Path) -> Result<Vec<SceneEntry>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     fn read(text: &str) -> Result<StudyFile> {
         let folder = tempfile::tempdir().unwrap();
