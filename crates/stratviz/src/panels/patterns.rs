@@ -322,7 +322,9 @@ fn discrepancy(ui: &mut Ui, words: &PatternWords, found: &Piece<Vec<DiscrepancyC
     let title = format!("Discrepancy: {}", words.measure);
     caption(ui, &title, &format!("mean of {}", words.sets), &found.progress);
     let curves = found.result.as_deref().unwrap_or_default();
-    log_log("discrepancy", "points, N", "mean discrepancy").show(ui, |plot| {
+    // A narrow plot: the names of slopes need a larger share of it.
+    let plot = log_log("discrepancy", "points, N", "mean discrepancy");
+    plot.set_margin_fraction(vec2(0.17, 0.06)).show(ui, |plot| {
         let rows = || curves.iter().flat_map(|curve| &curve.rows).filter(|row| row.mean > 0.0);
         let lowest = rows().map(|row| row.mean.log10()).fold(f64::INFINITY, f64::min);
         let last = rows().map(|row| row.n_used).max().unwrap_or(1) as f64;
