@@ -131,7 +131,7 @@ fn plot(ui: &mut Ui, trade: &TradeResult, choice: Option<&Choice>) {
             let line = HLine::new("wanted error", choice.error.log10()).color(muted);
             plot.hline(line.style(LineStyle::dashed_dense()).allow_hover(false));
         }
-        // Step by step: one thick line through sharp turns is drawn with false joints.
+        // Step by step, as all lines here: one line through sharp turns has false joints.
         for step in front(trade).windows(2) {
             let line = Line::new("Pareto front", step.to_vec()).color(muted).width(3.0);
             plot.line(line.allow_hover(false));
@@ -139,8 +139,10 @@ fn plot(ui: &mut Ui, trade: &TradeResult, choice: Option<&Choice>) {
         for sampler in &trade.samplers {
             let colour = colours::sampler(sampler.name, dark);
             let points: Vec<_> = measured(sampler).map(place).collect();
-            let line = Line::new(sampler.name, points.clone()).color(colour).width(1.0);
-            plot.line(line.allow_hover(false));
+            for step in points.windows(2) {
+                let line = Line::new(sampler.name, step.to_vec()).color(colour).width(1.0);
+                plot.line(line.allow_hover(false));
+            }
             let bars = measured(sampler).map(|row| {
                 let [low, high] = row.error.mse_ci95.map(|mse| 0.5 * mse.log10());
                 [place(row)[0], low, high]
