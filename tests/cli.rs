@@ -131,6 +131,9 @@ fn each_bad_input_is_one_clear_line() {
             format!("inspect\n{}", scenes.spec("empty.obj")),
             &["empty.obj", "no faces", "at least one triangle"],
         ),
+        (format!("inspect\n{quad}\n--at\n0,6"), &["0,6", "8 × 6", "Y from 0 to 5"]),
+        ("reproduce\n--dimensions\n--lattice\n4".to_owned(), &["--dimensions", "--lattice"]),
+        ("reproduce\n--dimensions\n--literature".to_owned(), &["--dimensions", "--literature"]),
         ("integrand\nramps".to_owned(), &["ramps", "ramp", "koch"]),
         ("integrand\nkoch\n--dim\n3".to_owned(), &["koch", "d = 3", "d = 2"]),
         ("integrand\nstep\n--set\nedges=1".to_owned(), &["step", "edges", "takes"]),
@@ -231,6 +234,7 @@ fn an_exact_study_says_how_each_sampler_was_obtained() {
 
     let text = stratcli(&["pixel", &quad, "--at", "4,3", "--exact"]).stdout;
     assert!(text.contains("no random numbers") && !text.contains("95 %"), "{text}");
+    assert!(text.contains("(from the visible polygons)"), "{text}");
     let by_rays = ["pixel", &quad, "--at", "4,3", "--exact", "--tracer", "bvh", "--trials", "3"];
     let text = stratcli(&by_rays).stdout;
     assert!(text.contains("by trials: the pixel is traced by rays"), "{text}");
@@ -347,6 +351,42 @@ fn an_inspection_counts_what_is_there() {
     assert_eq!(predicted, [2.0, 1.5, 1.0]);
     let text = stratcli(&["inspect", &scenes.spec("quad.toml")]).stdout;
     assert!(text.contains("pixel_x, pixel_y") && text.contains("8 × 6"), "{text}");
+}
+
+/// What an inspection says of a scene with all features, and of one of its pixels.
+#[test]
+fn an_inspection_names_axes_paths_and_needs() {
+    let facts = json(&["inspect", "room-all", "--at", "150,190"]);
+    let features = &facts["features"];
+    assert_eq!(features["area_lights"][0]["shape"], "mesh");
+    assert!(features["lens"]["radius"] == 0.09 && features["filter"].is_null(), "{features}");
+    let k = |class: &str| {
+        let all = facts["predicted"].as_array().unwrap();
+        let found = all.iter().find(|p| p["class"] == class).unwrap();
+        (found["discontinuity_dim"].clone(), found["exponent"].as_f64().unwrap())
+    };
+    assert_eq!(k("smooth"), (Value::Null, 1.0 + 2.0 / 7.0));
+    assert_eq!(k("edge"), (6.into(), 1.0 + 1.0 / 7.0));
+    assert_eq!(k("complex"), (7.into(), 1.0));
+    let paths = facts["paths"].as_array().unwrap();
+    assert!(paths.iter().all(|p| p["path"] == "rays"), "{paths:?}");
+    assert_eq!(paths.iter().map(|p| p["pixels"].as_u64().unwrap()).sum::<u64>(), 64);
+    // A pixel on the rim of the rolling ball: everything matters, and moves its edge.
+    let pixel = &facts["pixel"];
+    let needs = pixel["needs"]["axes"].as_array().unwrap();
+    assert_eq!(needs.len(), 7);
+    let time = needs.iter().find(|axis| axis["name"] == "time").unwrap();
+    assert!(time["behaviour"] == "jumps" && time["share"]["value"].as_f64() > Some(0.1), "{time}");
+    let limit = |sampler: &str| {
+        let all = pixel["predicted"].as_array().unwrap();
+        let found = all.iter().find(|p| p["sampler"] == sampler).unwrap();
+        found["limit"]["exponent"].as_f64().unwrap()
+    };
+    assert_eq!((limit("jittered"), limit("jittered-padded")), (1.0 + 1.0 / 7.0, 1.0));
+    let text = stratcli(&["inspect", "room", "--at", "150,190"]).stdout;
+    for words in ["mesh, radiance 9 8.4 7.2", "beam and shafts in f64", "k = 3", "light_u"] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
 }
 
 #[test]

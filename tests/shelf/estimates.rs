@@ -193,6 +193,18 @@ fn rates_are_those_of_the_literature() {
         ("cmj, step: 2", exponent("cmj", Scramble::None, n, step, 2), 1.8, 2.2),
         ("lhs, product: 1", exponent("lhs", Scramble::None, n, crossed, 3), 0.8, 1.2),
         ("padded across pairs: 1", exponent("padded", Scramble::Owen, n, crossed, 4), 0.8, 1.2),
+        (
+            "jittered-padded across pairs: 1",
+            exponent("jittered-padded", Scramble::None, n, crossed, 4),
+            0.8,
+            1.2,
+        ),
+        (
+            "jittered-padded in a pair: 2",
+            exponent("jittered-padded", Scramble::None, n, |p| p[2] * p[3], 4),
+            1.8,
+            2.2,
+        ),
         ("sobol, the same: 3", exponent("sobol", Scramble::Owen, n, crossed, 4), 2.6, 3.2),
         (
             "oa, the same: 2 and more",

@@ -94,7 +94,7 @@ pub struct ReproduceArgs {
     #[arg(long, value_name = "DIR", default_value = "out/reproduce")]
     pub out: PathBuf,
     /// Study a lattice of 64 × 64 pixels, not every pixel, and repeat the form factor less
-    /// often; with --literature, fewer samples per claim
+    /// often; with --literature and --dimensions, fewer samples
     #[arg(long)]
     pub quick: bool,
     /// Study a lattice of L × L pixels, evenly over the picture
@@ -111,6 +111,11 @@ pub struct ReproduceArgs {
     /// literature.html, .csv and .json; exit code 1 where one does not hold
     #[arg(long, conflicts_with_all = ["lattice", "repeats", "scene"])]
     pub literature: bool,
+    /// Not the paper's figures but pixels in 2 to 7 dimensions, each combination of lens, area
+    /// light and shutter under each family of samplers, and filters: dimensions.html, .csv and
+    /// .json; exit code 1 where a prediction does not hold
+    #[arg(long, conflicts_with_all = ["lattice", "repeats", "scene", "literature"])]
+    pub dimensions: bool,
     /// Only these claims of the literature, such as K4,M3
     #[arg(long, value_name = "IDS", value_delimiter = ',', requires = "literature")]
     pub claims: Vec<String>,
@@ -138,6 +143,10 @@ pub struct RenderArgs {
 pub struct InspectArgs {
     /// A scene file, an .obj, or a built-in scene (see `stratcli list scenes`)
     pub scene: String,
+    /// Also which axes this pixel needs, along which it jumps, and what theory makes of that for
+    /// each sampler
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
+    pub at: Option<String>,
 }
 
 #[derive(Debug, Args)]

@@ -180,6 +180,14 @@ pub enum StudyError {
         /// The most coordinates.
         limit: u64,
     },
+    /// More axes than can be told apart at a bearable cost.
+    #[error("what {dim} axes are needed for is not worked out beyond {limit} of them")]
+    TooManyAxes {
+        /// Dimensions of the integrand.
+        dim: usize,
+        /// The most.
+        limit: usize,
+    },
     /// The caller asked to stop.
     #[error("cancelled")]
     Cancelled,

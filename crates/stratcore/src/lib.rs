@@ -12,6 +12,7 @@
 
 pub mod beam;
 pub mod counts;
+pub mod dimensions;
 pub mod discrepancy;
 mod double;
 pub mod error;

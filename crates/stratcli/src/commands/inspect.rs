@@ -1,15 +1,23 @@
 //! `inspect`: what a scene holds, and what that means for its pixels.
 
+mod features;
+mod pixel;
+
 use super::Outcome;
+use super::pixel::pixel_of;
 use crate::cli::{Common, InspectArgs};
 use crate::output;
 use crate::table::{Align, columns, number, short};
 use anyhow::Result;
+use features::FeatureFacts;
+use pixel::PixelFacts;
 use serde::Serialize;
+use stratcore::dimensions::{SURVEYED, survey};
 use stratcore::integrand::Integrand;
 use stratcore::scene::{self, Channel, Light, Rgb, Scene};
+use stratcore::study::Control;
 use stratcore::theory::Class;
-use stratcore::trace::TracedScene;
+use stratcore::trace::{Path, TracedScene};
 
 #[derive(Serialize)]
 struct Inspection {
@@ -23,6 +31,7 @@ struct Inspection {
     materials: Vec<MaterialFacts>,
     bounds: Option<[[f64; 3]; 2]>,
     light: LightFacts,
+    features: FeatureFacts,
     ambient: Rgb,
     background: Rgb,
     memory_bytes: MemoryFacts,
@@ -31,6 +40,10 @@ struct Inspection {
     axes: Vec<String>,
     /// Jittered sampling's exponent for each class of pixel.
     predicted: Vec<Prediction>,
+    /// Of a lattice of pixels, how many of each class take which path.
+    paths: Vec<PathFacts>,
+    /// The pixel that was asked for.
+    pixel: Option<PixelFacts>,
 }
 
 #[derive(Serialize)]
@@ -68,27 +81,49 @@ pub struct MemoryFacts {
 impl MemoryFacts {
     pub fn of(traced: &TracedScene) -> Self {
         let Scene { mesh, materials, .. } = traced.scene();
-        let bvh = traced.accel().bvh();
+        let accel = traced.accel();
+        let bvh = accel.bvh();
         Self {
             scene: size_of_val(&*mesh.positions)
                 + size_of_val(&*mesh.triangles)
                 + size_of_val(&*mesh.materials)
                 + mesh.corner_normals.as_deref().map_or(0, size_of_val)
                 + size_of_val(&**materials),
-            bvh: size_of_val(&*bvh.nodes) + size_of_val(&*bvh.primitive_indices),
+            bvh: size_of_val(&*bvh.nodes)
+                + size_of_val(&*bvh.primitive_indices)
+                + size_of_val(accel.corners()),
         }
     }
 }
 
 #[derive(Serialize)]
+struct PathFacts {
+    class: Class,
+    path: Path,
+    pixels: u32,
+}
+
+#[derive(Serialize)]
 struct Prediction {
     class: Class,
+    /// Dimension of what is jumped across; null without jumps, d for detail everywhere.
+    discontinuity_dim: Option<usize>,
     exponent: Option<f64>,
     meaning: &'static str,
 }
 
 pub fn run(args: &InspectArgs, common: &Common) -> Result<Outcome> {
-    let inspection = inspect(&TracedScene::new(scene::load(&args.scene)?));
+    let scene = scene::load(&args.scene)?;
+    let at = args.at.as_deref().map(|at| pixel_of(&scene, at)).transpose()?;
+    let traced = TracedScene::new(scene);
+    let control = Control::unwatched();
+    let paths = survey(&traced, common.seed, control)?;
+    let paths = paths.into_iter().map(|(class, path, pixels)| PathFacts { class, path, pixels });
+    let inspection = Inspection {
+        paths: paths.collect(),
+        pixel: at.map(|at| PixelFacts::of(&traced, at, common.seed, control)).transpose()?,
+        ..inspect(&traced)
+    };
     if common.json {
         output::print_json(inspection)?;
     } else {
@@ -107,6 +142,11 @@ fn inspect(traced: &TracedScene) -> Inspection {
     let highest = corners().reduce(|a, b| a.max(b));
     let prediction = |class: Class, meaning| Prediction {
         class,
+        discontinuity_dim: match class {
+            Class::Edge => Some(dim - 1),
+            Class::Complex => Some(dim),
+            Class::Exact | Class::Smooth => None,
+        },
         exponent: class.predicted_exponent(dim),
         meaning,
     };
@@ -138,6 +178,7 @@ fn inspect(traced: &TracedScene) -> Inspection {
                 LightFacts::Directional { towards: towards.to_array(), irradiance }
             }
         },
+        features: FeatureFacts::of(traced.scene()),
         ambient: *ambient,
         background: *background,
         memory_bytes: MemoryFacts::of(traced),
@@ -149,6 +190,8 @@ fn inspect(traced: &TracedScene) -> Inspection {
             prediction(Class::Edge, "edges cross the pixel, smooth between them"),
             prediction(Class::Complex, "detail finer than the strata"),
         ],
+        paths: Vec::new(),
+        pixel: None,
     }
 }
 
@@ -178,6 +221,9 @@ fn text(facts: &Inspection) -> String {
         ("materials", facts.materials.len().to_string()),
         ("bounds", bounds),
         ("light", light),
+    ];
+    rows.extend(facts.features.rows());
+    rows.extend([
         ("ambient", triple(&facts.ambient)),
         ("background", triple(&facts.background)),
         (
@@ -199,7 +245,7 @@ fn text(facts: &Inspection) -> String {
             ),
         ),
         ("a pixel is", format!("d = {}: {}", facts.dim, facts.axes.join(", "))),
-    ];
+    ]);
     rows.extend(facts.files.iter().map(|file| ("reads", file.clone())));
     rows.extend(facts.notes.iter().map(|note| ("note", note.clone())));
     let rows: Vec<_> = rows.into_iter().map(|(name, fact)| vec![name.to_owned(), fact]).collect();
@@ -207,14 +253,30 @@ fn text(facts: &Inspection) -> String {
         .predicted
         .iter()
         .map(|p| {
+            let k = p.discontinuity_dim.map_or("no k".to_owned(), |k| format!("k = {k}"));
             let exponent = p.exponent.map(|e| format!("p = {}", short(e, 5))).unwrap_or_default();
-            vec![p.class.to_string(), exponent, p.meaning.to_owned()]
+            vec![p.class.to_string(), k, exponent, p.meaning.to_owned()]
         })
         .collect();
-    format!(
-        "{}\n{}\nvariance of the mean ~ C N^-p: random sampling has p = 1; jittered, by theory\n{}",
+    let paths: Vec<_> = facts
+        .paths
+        .iter()
+        .map(|p| vec![p.class.to_string(), p.path.to_string(), format!("{} pixels", p.pixels)])
+        .collect();
+    let mut text = format!(
+        "{}\n{}\nvariance of the mean ~ C N^-p: random sampling has p = 1; jittered, by theory, \
+         min(1 + 2/d, 2 - k/d)\n{}\nhow {SURVEYED} × {SURVEYED} pixels are sampled, by class as \
+         a quick look finds it\n{}",
         facts.scene,
         columns(Align::Left, &rows),
         columns(Align::Left, &predicted),
-    )
+        columns(Align::Left, &paths),
+    );
+    if let Some(reasons) = facts.features.why_rays(facts.smooth_shading) {
+        text += &format!("  rays because of {reasons}\n");
+    }
+    if let Some(pixel) = &facts.pixel {
+        text += &pixel.text();
+    }
+    text
 }

@@ -7,6 +7,7 @@ use anyhow::{Result, ensure};
 use serde::Serialize;
 use stratcore::exact::TOLERANCE;
 use stratcore::integrand::Integrand;
+use stratcore::scene::Scene;
 use stratcore::study::{Control, ExactStudy};
 use stratcore::trace::TracedScene;
 
@@ -17,19 +18,8 @@ struct Subject<'a> {
 }
 
 pub fn run(args: &PixelArgs, common: &Common) -> Result<Outcome> {
-    let pixel = plan::pixel(&args.at)?;
     let scene = super::load(&args.scene, common)?;
-    let [width, height] = scene.camera.resolution;
-    ensure!(
-        pixel[0] < width && pixel[1] < height,
-        "--at {},{}: outside the picture of {}, which is {width} × {height}; \
-         X runs from 0 to {} and Y from 0 to {}",
-        pixel[0],
-        pixel[1],
-        scene.name,
-        width - 1,
-        height - 1,
-    );
+    let pixel = pixel_of(&scene, &args.at)?;
     let (channel, channel_name) = plan::channel(args.channel);
     let name = scene.name.clone();
     let traced = TracedScene::new(scene).with_tracer(plan::tracer(args.tracer));
@@ -41,4 +31,21 @@ pub fn run(args: &PixelArgs, common: &Common) -> Result<Outcome> {
         false => measure::by_trials(&integrand, pixel, plan, until, control),
     };
     measure::run(subject, &title, integrand.dim(), &by, &args.study, common)
+}
+
+/// The pixel as typed, if the picture has it.
+pub fn pixel_of(scene: &Scene, at: &str) -> Result<[u32; 2]> {
+    let pixel = plan::pixel(at)?;
+    let [width, height] = scene.camera.resolution;
+    ensure!(
+        pixel[0] < width && pixel[1] < height,
+        "--at {},{}: outside the picture of {}, which is {width} × {height}; \
+         X runs from 0 to {} and Y from 0 to {}",
+        pixel[0],
+        pixel[1],
+        scene.name,
+        width - 1,
+        height - 1,
+    );
+    Ok(pixel)
 }

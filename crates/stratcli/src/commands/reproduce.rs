@@ -4,6 +4,7 @@
 //! is kept when the rest is not.
 
 mod close_up;
+mod dimensions;
 mod form_factor;
 mod literature;
 pub(super) mod output;
@@ -41,6 +42,9 @@ const PICTURE_SPP: u64 = 16;
 pub fn run(args: &ReproduceArgs, common: &Common) -> Result<Outcome> {
     if args.literature {
         return literature::run(args, common);
+    }
+    if args.dimensions {
+        return dimensions::run(args, common);
     }
     let scene = TracedScene::new(super::load(&args.scene, common)?);
     let plan = StudyPlan { seed: common.seed, ..StudyPlan::paper() };

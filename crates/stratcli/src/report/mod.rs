@@ -3,6 +3,7 @@
 pub mod axis;
 pub mod chart;
 pub mod comparison;
+pub mod dimensions;
 pub mod discrepancy;
 pub mod gain;
 pub mod histogram;

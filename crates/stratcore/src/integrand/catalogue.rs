@@ -2,7 +2,10 @@
 //!
 //! Adding one is one file with an [`IntegrandInfo`] and one line in [`CATALOGUE`].
 
-use super::{Integrand, checkerboard, disk, form_factor, half_space, koch, linear, product, step};
+use super::{
+    Integrand, checkerboard, disk, form_factor, form_factors, half_space, koch, linear, product,
+    step,
+};
 
 /// Every closed-form integrand, in the order in which they are listed.
 pub const CATALOGUE: &[IntegrandInfo] = &[
@@ -17,6 +20,8 @@ pub const CATALOGUE: &[IntegrandInfo] = &[
     checkerboard::CHECKERBOARD,
     koch::KOCH,
     form_factor::FORM_FACTOR,
+    form_factors::PERPENDICULAR,
+    form_factors::DISKS,
 ];
 
 /// Most dimensions of an integrand that is defined in any number of them.

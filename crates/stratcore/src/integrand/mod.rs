@@ -8,6 +8,7 @@ mod checkerboard;
 mod disk;
 mod exact;
 mod form_factor;
+mod form_factors;
 mod half_space;
 mod koch;
 mod linear;

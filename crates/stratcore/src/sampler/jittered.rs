@@ -38,7 +38,7 @@ impl Sampler for Jittered {
 }
 
 /// [`strata_per_axis`] in two dimensions, without asking for memory where it need not.
-fn planar_strata(n: u64) -> [u64; 2] {
+pub(super) fn planar_strata(n: u64) -> [u64; 2] {
     let root = n.isqrt();
     if root * root == n {
         return [root, root];

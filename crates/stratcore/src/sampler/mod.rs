@@ -15,6 +15,7 @@ mod halton;
 mod hammersley;
 mod hash;
 mod jittered;
+mod jittered_padded;
 mod lhs;
 mod memo;
 mod oa;
@@ -42,6 +43,7 @@ pub use grid::Grid;
 pub use halton::Halton;
 pub use hammersley::Hammersley;
 pub use jittered::{Jittered, strata_per_axis};
+pub use jittered_padded::JitteredPadded;
 pub use lhs::LatinHypercube;
 pub use oa::OrthogonalArray;
 pub use padded::Padded;
@@ -64,6 +66,7 @@ use scramble::Shifted;
 pub const SHELF: &[&dyn Sampler] = &[
     &Random,
     &Jittered,
+    &JitteredPadded,
     &Grid,
     &LatinHypercube,
     &CorrelatedMultiJittered,

@@ -156,7 +156,9 @@ fn from_toml(name: &str, text: &str, path: &Path, open: Open<'_>) -> Result<Scen
     let file: SceneFile = toml::from_str(text).map_err(|e| {
         let start = e.span().map_or(0, |span| span.start);
         let line = 1 + text.bytes().take(start).filter(|b| *b == b'\n').count();
-        SceneError::SceneFile { path: shown(path), line, fault: e.message().replace('\n', ", ") }
+        let fault = e.message().replace('\n', ", ").replace("u32", "a whole number of at least 0");
+        let fault = format!("{fault}{}", way_out(&fault));
+        SceneError::SceneFile { path: shown(path), line, fault }
     })?;
     let CameraTable { eye, look_at, up, fov_y, resolution } = file.camera;
     let [eye, look_at, up] = [eye, look_at, up].map(DVec3::from_array);
@@ -210,6 +212,24 @@ fn from_toml(name: &str, text: &str, path: &Path, open: Open<'_>) -> Result<Scen
         files: Vec::new(),
         notes,
     })
+}
+
+/// What a key that is missing should say; empty for other faults.
+fn way_out(fault: &str) -> &'static str {
+    match fault.strip_prefix("missing field ") {
+        Some("`kind`") => {
+            "; a light is a headlight, point, directional or area, a filter a box, tent, \
+             gaussian, mitchell or lanczos"
+        }
+        Some("`shape`") => "; an area light is a rectangle, disk, sphere or mesh",
+        Some("`radius`") => "; half the width of the lens's opening",
+        Some("`focus_distance`") => "; how far from the eye, along the view, all is sharp",
+        Some("`camera`") => "; a [camera] has eye, look_at, fov_y and resolution",
+        Some("`mesh`") => "; name at least one [[mesh]] by its path or as a builtin",
+        Some("`position`" | "`intensity`") => "; a point light has position and intensity",
+        Some("`towards`" | "`irradiance`") => "; a directional light has towards and irradiance",
+        _ => "",
+    }
 }
 
 /// A few lines must not ask for triangles without end.

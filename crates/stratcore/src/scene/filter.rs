@@ -85,6 +85,28 @@ impl FilterShape {
     }
 }
 
+impl std::fmt::Display for FilterShape {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Box => "box",
+            Self::Tent => "tent",
+            Self::Gaussian => "gaussian",
+            Self::Mitchell => "mitchell",
+            Self::Lanczos => "lanczos",
+        })
+    }
+}
+
+impl std::fmt::Display for FilterMethod {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::WeightedMean => "weighted-mean",
+            Self::WeightedSum => "weighted-sum",
+            Self::Importance => "importance",
+        })
+    }
+}
+
 fn sinc(x: f64) -> f64 {
     if x.abs() < 1e-8 { 1.0 } else { (PI * x).sin() / (PI * x) }
 }

@@ -189,7 +189,10 @@ impl AreaTable {
                 };
                 let edges = [vector(file, "light edges", a)?, vector(file, "light edges", b)?];
                 if edges[0].cross(edges[1]) == DVec3::ZERO {
-                    return Err(fault_of(file, "the edges of a light span no area"));
+                    return Err(fault_of(
+                        file,
+                        "the edges of a light span no area; give two that are not parallel",
+                    ));
                 }
                 LightShape::Rectangle { corner: vector(file, "light corner", corner)?, edges }
             }

@@ -110,6 +110,14 @@ pub fn predict(sampler: &str, scramble: Scramble, subject: &Subject) -> Option<P
         || sampler == "pmj02" && scramble == Scramble::None;
     match sampler {
         "jittered" if plain => in_cells("Mitchell 1996, Theoretical analysis"),
+        "jittered-padded" if plain && dim <= 2 => in_cells("Mitchell 1996, Theoretical analysis"),
+        // Each function of one coordinate meets the plane's cells.
+        "jittered-padded" if plain && additive => match regularity {
+            Regularity::Smooth => law(2.0, "derived: Mitchell 1996 in each pair"),
+            Regularity::Discontinuous { .. } => law(1.5, "derived: Mitchell 1996 in each pair"),
+            Regularity::Constant | Regularity::Unknown => None,
+        },
+        "jittered-padded" if plain && known => law(1.0, "Stein 1987, for pairs of axes"),
         "grid" if shifted && (additive || subject.regularity == Regularity::Smooth) => {
             // On the torus a smooth f that is not periodic has steps along the axes, which all
             // points of a row meet together.

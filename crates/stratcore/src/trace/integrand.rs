@@ -21,6 +21,28 @@ pub enum Tracer {
     Bvh,
 }
 
+/// The way that samples of a pixel take.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Path {
+    /// The pixel's beam in f32; samples that rounding could misplace are settled in f64.
+    Beam,
+    /// The pixel's beam, and for each facet the triangles in the shaft to each area light; f64.
+    BeamAndShafts,
+    /// Rays through the BVH; f64.
+    Rays,
+}
+
+impl std::fmt::Display for Path {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Beam => "beam in f32",
+            Self::BeamAndShafts => "beam and shafts in f64",
+            Self::Rays => "rays in f64",
+        })
+    }
+}
+
 /// A channel of the radiance over one pixel's square.
 pub enum PixelIntegrand<'a> {
     /// By rays.
@@ -57,7 +79,7 @@ impl<'a> PixelIntegrand<'a> {
         channel: Channel,
         tracer: Tracer,
     ) -> Self {
-        let beam = || PixelBeam::of_frame(scene.scene(), scene.accel().bvh(), &frame, channel);
+        let beam = || PixelBeam::of_frame(scene.scene(), scene.accel(), &frame, channel);
         match (tracer == Tracer::Beam).then(beam).flatten() {
             Some(beam) if scene.scene().distribution.lights.is_empty() => {
                 Self::Beam(Box::new(beam))
@@ -74,6 +96,16 @@ impl<'a> PixelIntegrand<'a> {
             Self::Beam(beam) => Some(beam.n_facets()),
             Self::AreaBeam(beam) => Some(beam.n_facets()),
             Self::Filtered(filtered) => filtered.inner().n_facets(),
+        }
+    }
+
+    /// The way that its samples take.
+    pub fn path(&self) -> Path {
+        match self {
+            Self::Rays(_) => Path::Rays,
+            Self::Beam(_) => Path::Beam,
+            Self::AreaBeam(_) => Path::BeamAndShafts,
+            Self::Filtered(filtered) => filtered.inner().path(),
         }
     }
 

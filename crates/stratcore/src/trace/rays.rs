@@ -169,7 +169,7 @@ impl<E: Eye, T: Shutter, S: Scatter> Radiance for PixelRays<'_, E, T, S> {
         let (square, rest) = point.split_at(2);
         let (lens, rest) = rest.split_at(E::AXES);
         let (lights, rest) = rest.split_at(self.light_axes);
-        let (time, bounces) = rest.split_at(T::AXES);
+        let (bounces, time) = rest.split_at(self.bounce_axes);
         let moment = self.shutter.at(time);
         let eye = self.shutter.eye(self.scene.scene().camera.eye, time);
         let ray = self.eye.ray(eye, self.frame.direction(square[0], square[1]), lens);
@@ -179,7 +179,7 @@ impl<E: Eye, T: Shutter, S: Scatter> Radiance for PixelRays<'_, E, T, S> {
 
 impl<E: Eye, T: Shutter, S: Scatter> Integrand for PixelRays<'_, E, T, S> {
     fn dim(&self) -> usize {
-        2 + E::AXES + self.light_axes + T::AXES + self.bounce_axes
+        2 + E::AXES + self.light_axes + self.bounce_axes + T::AXES
     }
 
     fn axes(&self) -> Vec<String> {

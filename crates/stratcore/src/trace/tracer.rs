@@ -4,7 +4,7 @@ use super::moment::{Moment, Still};
 use super::rays::{Radiance, rays};
 use super::scatter::{Direct, Scatter};
 use super::{Accel, Crossing, Filtered, PixelIntegrand, Ray, Tracer};
-use crate::scene::{Channel, Rgb, Scene};
+use crate::scene::{Channel, Filter, Rgb, Scene};
 use glam::DVec3;
 
 /// A scene with its BVH.
@@ -68,6 +68,13 @@ impl TracedScene {
     #[must_use]
     pub fn with_tracer(self, tracer: Tracer) -> Self {
         Self { tracer, ..self }
+    }
+
+    /// The same scene, its pixels weighed by this filter.
+    #[must_use]
+    pub fn with_filter(mut self, filter: Option<Filter>) -> Self {
+        self.scene.filter = filter;
+        self
     }
 
     /// How its pixels are sampled.

@@ -2,12 +2,10 @@
 
 use super::verdicts::verdicts;
 use crate::output::{self, AtomicFile};
-use crate::report::PlotFile;
-use crate::report::literature;
 use crate::report::page::{self, Figure};
 use crate::report::summary::Summary;
 use crate::report::svg::Svg;
-use crate::report::trade;
+use crate::report::{PlotFile, dimensions, literature, trade};
 use anyhow::{Context, Result};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -42,7 +40,11 @@ impl Report {
     pub fn write(&mut self) -> Result<()> {
         self.summary.verdicts = verdicts(&self.summary);
         let mut page = page::render(&self.summary, &self.figures);
-        for (file, title) in [(literature::PAGE, literature::TITLE), (trade::PAGE, trade::TITLE)] {
+        for (file, title) in [
+            (literature::PAGE, literature::TITLE),
+            (trade::PAGE, trade::TITLE),
+            (dimensions::PAGE, dimensions::TITLE),
+        ] {
             if self.folder.join(file).exists() {
                 page = page::with_link(&page, file, title);
             }

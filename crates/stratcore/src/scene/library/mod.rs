@@ -84,6 +84,26 @@ pub const SCENES: &[BuiltIn] = &[
         summary: "the room with two diffuse reflections and a ball of glass: d = 8",
         toml: include_str!("../../../../../assets/room-bounce.toml"),
     },
+    BuiltIn {
+        name: "room-point",
+        summary: "the room under a point of light: hard shadows, d = 2",
+        toml: include_str!("../../../../../assets/room-point.toml"),
+    },
+    BuiltIn {
+        name: "room-point-motion",
+        summary: "the same with its ball rolling: d = 3",
+        toml: include_str!("../../../../../assets/room-point-motion.toml"),
+    },
+    BuiltIn {
+        name: "room-point-lens",
+        summary: "the same through a lens, nothing moving: d = 4",
+        toml: include_str!("../../../../../assets/room-point-lens.toml"),
+    },
+    BuiltIn {
+        name: "room-point-lens-motion",
+        summary: "the same through a lens, its ball rolling: d = 5",
+        toml: include_str!("../../../../../assets/room-point-lens-motion.toml"),
+    },
 ];
 
 /// Names of the meshes made by code (`builtin = "classic"` in a scene file).
