@@ -10,7 +10,6 @@ use crate::report::raster::data_uri;
 use crate::study_file::{SceneEntry, StudyFile};
 use anyhow::{Context, Result};
 use serde::Serialize;
-use std::fs;
 use std::path::Path;
 use stratcore::input::{self, MAX_DATA};
 use stratcore::integrand::Integrand as _;
@@ -55,8 +54,7 @@ pub fn run(args: &StudyFileArgs, common: &Common) -> Result<Outcome> {
     AtomicFile::create(&report)?.commit(page.as_bytes())?;
     let summary = StudySummary { study: &args.file, seed: common.seed, maps };
     let json = output::json(&summary)?;
-    AtomicFile::create(&args.output.join("summary.json"))?
-        .commit(json.as_bytes())?;
+    AtomicFile::create(&args.output.join("summary.json"))?.commit(json.as_bytes())?;
     if common.json {
         output::print(&json)?;
     } else {

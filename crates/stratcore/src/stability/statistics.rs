@@ -162,7 +162,7 @@ fn planted(bench: &mut Bench<'_>) {
                 .map(|power| {
                     let n = 1u64 << power;
                     let variance = (-p * (n as f64).ln() - bias).exp();
-                    WeightedRow { n, variance, noise }
+                    WeightedRow::new(n, variance, noise)
                 })
                 .collect();
             let plain = rows.iter().map(|row| (row.n, row.variance, noise.var_ln()));
