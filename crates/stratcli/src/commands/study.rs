@@ -10,7 +10,6 @@ use crate::report::raster::data_uri;
 use crate::study_file::{SceneEntry, StudyFile};
 use anyhow::{Context, Result};
 use serde::Serialize;
-use std::fs;
 use std::path::Path;
 use stratcore::input::{self, MAX_DATA};
 use stratcore::integrand::Integrand as _;

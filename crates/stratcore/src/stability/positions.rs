@@ -273,7 +273,7 @@ fn small_variances(bench: &mut Bench<'_>) -> Result<(), StudyError> {
                 }
             }
             let shown = if column == 0 { single } else { raw };
-            if off(shown) > 1.0 && bends[column as usize].is_none() {
+            if off(shown) >= 1.0 && bends[column as usize].is_none() {
                 bends[column as usize] = Some((n, truth));
             }
             if shown > 0.0 {
