@@ -40,9 +40,10 @@ impl Headless {
         let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(self.size[0], self.size[1]));
         let input = RawInput { screen_rect: Some(rect), ..RawInput::default() };
         self.app.poll();
-        let output = self.ctx.run_ui(input, |ui| self.app.ui(ui));
-        let painted = self.ctx.tessellate(output.shapes, output.pixels_per_point);
-        painted.len() + output.textures_delta.set.len()
+        let mut output = self.ctx.run_ui(input, |ui| self.app.ui(ui));
+        let textures = output.textures_delta.set.len();
+        output.textures_delta.clear();
+        self.ctx.tessellate(output.shapes, output.pixels_per_point).len() + textures
     }
 
     fn wait(&mut self, there: impl Fn(&App) -> bool) {

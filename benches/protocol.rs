@@ -15,7 +15,12 @@ use covered::covered_by_one_triangle;
 use std::collections::BTreeMap;
 use std::io::{Write, stdout};
 use std::ops::RangeInclusive;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
+use stratcli::report::PlotFile;
+use stratcli::report::axis::{self, Axis, INK, plain};
+use stratcli::report::chart::Style;
+use stratcli::report::svg::{Rect, Stroke, Svg};
 use stratcore::beam::PixelBeam;
 use stratcore::scene::{Channel, Scene, load};
 use stratcore::simd::Isa;
@@ -33,6 +38,9 @@ struct Args {
     /// Pixels per axis of the lattice
     #[arg(long, default_value_t = 32, value_parser = clap::value_parser!(u32).range(1..))]
     lattice: u32,
+    /// Draw time per sample against list length into this file, .svg or .png
+    #[arg(long)]
+    plot: Option<PathBuf>,
     /// Leave out the rows traced by rays and those on two threads
     #[arg(long)]
     beam_only: bool,
@@ -56,10 +64,20 @@ fn main() -> Result<()> {
         Isa::detect().name(),
         n_samples(&plan)
     )?;
+    let plot = args.plot.as_deref().map(PlotFile::create).transpose()?;
+    let mut clouds = Vec::new();
     for name in &args.scene {
-        measure(load(name)?, &plan, &args).with_context(|| name.clone())?;
+        clouds.push(measure(load(name)?, &plan, &args).with_context(|| name.clone())?);
     }
-    Ok(())
+    plot.map_or(Ok(()), |plot| plot.commit(&draw(&clouds)))
+}
+
+/// Pixels of one scene: list length and nanoseconds per sample; and the same of the median pixel
+/// at the limit.
+struct Cloud {
+    scene: String,
+    pixels: Vec<(usize, f64)>,
+    limit: f64,
 }
 
 /// What is measured: pixels of a scene, by a tracer, on so many threads.
@@ -72,7 +90,7 @@ struct Row<'a> {
     base: usize,
 }
 
-fn measure(scene: Scene, plan: &StudyPlan, args: &Args) -> Result<()> {
+fn measure(scene: Scene, plan: &StudyPlan, args: &Args) -> Result<Cloud> {
     let name = scene.name.clone();
     let n_triangles = scene.mesh.triangles.len();
     let limit = TracedScene::new(covered_by_one_triangle(scene.clone()));
@@ -122,7 +140,41 @@ fn measure(scene: Scene, plan: &StudyPlan, args: &Args) -> Result<()> {
             base => writeln!(out, "   {ratio:.3} of {}", described(&rows[base]))?,
         }
     }
-    by_list_length(&mut out, [&scene, &limit], &all, plan)
+    let (pixels, limit) = by_list_length(&mut out, [&scene, &limit], &all, plan)?;
+    Ok(Cloud { scene: name, pixels, limit })
+}
+
+/// Empty lists stand at one half.
+fn draw(clouds: &[Cloud]) -> Svg {
+    let title = "Time per sample against triangles in the pixel's list";
+    let area = Rect { x: 78.0, y: 50.0 + 19.0 * clouds.len() as f64, w: 412.0, h: 290.0 };
+    let mut svg = Svg::new(540.0, area.y + area.h + 56.0, title);
+    svg.text([28.0, 30.0], plain(16.0, INK), title);
+    let pixels = || clouds.iter().flat_map(|cloud| &cloud.pixels);
+    let longest = pixels().map(|(length, _)| *length).max().unwrap_or(1).max(1) as f64;
+    let [least, most] =
+        pixels().fold([0.5, 5.0], |[lo, hi]: [f64; 2], (_, time)| [lo.min(*time), hi.max(*time)]);
+    let x = Axis::log([0.4, 1.5 * longest], [area.x, area.x + area.w]);
+    let y = Axis::log([0.8 * least, 1.25 * most], [area.y + area.h, area.y]);
+    axis::draw(&mut svg, area, &x, &y, ["triangles in the list", "ns per sample"]);
+    for (i, cloud) in clouds.iter().enumerate() {
+        let Style { colour, .. } = Style::nth(i);
+        let row = 50.0 + 19.0 * i as f64;
+        svg.disc([36.0, row], 4.0, colour);
+        let words = format!(
+            "{}: {} pixels; dashed: one triangle, {:.2} ns",
+            cloud.scene,
+            cloud.pixels.len(),
+            cloud.limit
+        );
+        svg.text([50.0, row + 4.5], plain(13.0, INK), &words);
+        for (length, time) in &cloud.pixels {
+            svg.disc([x.at((*length as f64).max(0.5)), y.at(*time)], 1.3, colour);
+        }
+        let dashed = Stroke { colour, width: 0.9, dash: "4 4" };
+        svg.line([area.x, y.at(cloud.limit)], [area.x + area.w, y.at(cloud.limit)], dashed);
+    }
+    svg
 }
 
 fn described(row: &Row) -> String {
@@ -131,7 +183,7 @@ fn described(row: &Row) -> String {
 
 /// Triangles that the pixel's beam holds; none where the scene is traced by rays.
 fn list_length(scene: &TracedScene, pixel: [u32; 2]) -> Option<usize> {
-    let beam = PixelBeam::new(scene.scene(), scene.accel().bvh(), pixel, Channel::Luminance)?;
+    let beam = PixelBeam::new(scene.scene(), scene.accel(), pixel, Channel::Luminance)?;
     Some(beam.n_facets())
 }
 
@@ -173,13 +225,15 @@ impl Clock {
 }
 
 /// Time per sample, set-up included, of the pixels whose lists are about as long, and of the
-/// median pixel beside the same pixel at the limit.
+/// median pixel beside the same pixel at the limit. Gives back each pixel's length and time, and
+/// the median at the limit.
 fn by_list_length(
     out: &mut impl Write,
     [scene, limit]: [&TracedScene; 2],
     pixels: &[[u32; 2]],
     plan: &StudyPlan,
-) -> Result<()> {
+) -> Result<(Vec<(usize, f64)>, f64)> {
+    let mut all = Vec::new();
     let mut groups: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     let mut at_limit = Vec::new();
     let nanoseconds = |scene: &TracedScene, pixel| -> Result<f64> {
@@ -196,14 +250,16 @@ fn by_list_length(
     with_threads(Some(1), || -> Result<()> {
         for &pixel in pixels {
             let Some(length) = list_length(scene, pixel) else { continue };
-            groups.entry(octave(length)).or_default().push(nanoseconds(scene, pixel)?);
+            let time = nanoseconds(scene, pixel)?;
+            groups.entry(octave(length)).or_default().push(time);
+            all.push((length, time));
             at_limit.push(nanoseconds(limit, pixel)?);
         }
         Ok(())
     })?;
     if groups.is_empty() {
         writeln!(out, "traced by rays: the beam does not serve this scene")?;
-        return Ok(());
+        return Ok((all, f64::NAN));
     }
     let every: Vec<f64> = groups.values().flatten().copied().collect();
     writeln!(out, "{:>14} {:>7} {:>12}", "list length", "pixels", "ns/sample")?;
@@ -214,8 +270,9 @@ fn by_list_length(
         writeln!(out, "{lengths:>14} {pixels:7} {:12.2}", median(times))?;
     }
     writeln!(out, "{:>14} {:7} {:12.2}", "median of all", every.len(), median(every))?;
-    writeln!(out, "{:>14} {:7} {:12.2}", "limit", at_limit.len(), median(at_limit))?;
-    Ok(())
+    let (n, limit) = (at_limit.len(), median(at_limit));
+    writeln!(out, "{:>14} {n:7} {limit:12.2}", "limit")?;
+    Ok((all, limit))
 }
 
 /// 0 for an empty list, else one more than the length's binary logarithm.

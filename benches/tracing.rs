@@ -100,8 +100,8 @@ fn beam_setup(bencher: Bencher, scene: &str) {
     let Subject { beam, lattice, .. } = subject(scene);
     bencher.counter(ItemsCount::new(lattice.len())).bench_local(|| {
         for pixel in lattice {
-            let bvh = beam.accel().bvh();
-            black_box(PixelBeam::new(beam.scene(), bvh, *pixel, Channel::Luminance));
+            let accel = beam.accel();
+            black_box(PixelBeam::new(beam.scene(), accel, *pixel, Channel::Luminance));
         }
     });
 }

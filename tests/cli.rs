@@ -234,6 +234,7 @@ fn an_exact_study_says_how_each_sampler_was_obtained() {
 
     let text = stratcli(&["pixel", &quad, "--at", "4,3", "--exact"]).stdout;
     assert!(text.contains("no random numbers") && !text.contains("95 %"), "{text}");
+    assert!(text.contains("(from the visible polygons)"), "{text}");
     let by_rays = ["pixel", &quad, "--at", "4,3", "--exact", "--tracer", "bvh", "--trials", "3"];
     let text = stratcli(&by_rays).stdout;
     assert!(text.contains("by trials: the pixel is traced by rays"), "{text}");

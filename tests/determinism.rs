@@ -1,5 +1,6 @@
 //! Same seed, same bytes: for any number of threads, and for a pixel alone or in a picture.
 
+use serde_json::Value;
 use std::fs;
 use std::process::Command;
 use stratcore::scene::Channel;
@@ -12,10 +13,15 @@ fn stratcli(arguments: &[&str]) -> Vec<u8> {
     output.stdout
 }
 
-const STUDIES: [&[&str]; 3] = [
+/// As many threads as a small machine has cores, and more than any test machine has.
+const THREADS: [&str; 2] = ["2", "7"];
+
+const STUDIES: [&[&str]; 5] = [
     &["pixel", "classic", "--at", "100,140", "--trials", "10", "--json"],
     &["integrand", "form-factor", "--counts", "1..5^4", "--trials", "10", "--json"],
     &["integrand", "koch", "--counts", "3,70000", "--n-policy", "rect", "--trials", "3", "--json"],
+    &["discrepancy", "--samplers", "jittered", "--counts", "4,16", "--trials", "20", "--json"],
+    &["spectrum", "--samplers", "jittered", "-n", "16", "--trials", "10", "--json"],
 ];
 
 #[test]
@@ -23,9 +29,34 @@ fn threads_change_no_byte() {
     for arguments in STUDIES {
         let with = |threads| stratcli(&[arguments, &["--threads", threads]].concat());
         let one = with("1");
-        assert_eq!(one, with("2"), "{arguments:?}");
+        for threads in THREADS {
+            assert_eq!(one, with(threads), "{arguments:?}, {threads} threads");
+        }
         assert_eq!(one, stratcli(arguments), "{arguments:?}");
     }
+}
+
+/// Times differ from run to run; errors do not.
+#[test]
+fn threads_change_no_error_of_a_trade() {
+    const TIMED: [&str; 6] =
+        ["ns_per_sample", "generation_ns", "ns_per_estimate", "fused", "efficiency", "pareto"];
+    let trade = ["trade", "gaussian", "--trials", "20", "--counts", "1..4^2", "--json"];
+    let rows = |threads| {
+        let text = stratcli(&[&trade[..], &["--threads", threads]].concat());
+        let mut found: Value = serde_json::from_slice(&text).unwrap();
+        for sampler in found["samplers"].as_array_mut().unwrap() {
+            for row in sampler["rows"].as_array_mut().unwrap() {
+                TIMED
+                    .iter()
+                    .for_each(|key| assert!(row.as_object_mut().unwrap().remove(*key).is_some()));
+            }
+        }
+        found["samplers"].as_array().unwrap().iter().map(|s| s["rows"].clone()).collect::<Vec<_>>()
+    };
+    let one = rows("1");
+    assert!(one.len() == 2 && one[1][3]["mse"].as_f64().unwrap() > 0.0, "{one:?}");
+    THREADS.iter().for_each(|threads| assert_eq!(one, rows(threads), "{threads} threads"));
 }
 
 #[test]
@@ -50,7 +81,9 @@ fn pictures_are_the_same_files() {
             fs::read(path).unwrap()
         };
         let one = render("one", &["--threads", "1"]);
-        assert!(one == render("two", &["--threads", "2"]), "{extension}");
+        for threads in THREADS {
+            assert!(one == render("more", &["--threads", threads]), "{extension}, {threads}");
+        }
         assert!(one != render("other", &["--seed", "7"]), "{extension}");
     }
 }

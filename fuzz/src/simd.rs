@@ -136,8 +136,8 @@ fn beam(bytes: &mut Bytes) {
     let (n, trials) = (1 + u64::from(bytes.byte() % 90), 1 + usize::from(bytes.byte() % 40));
     let seed = bytes.word().into();
     let means = |isa| {
-        let (scene, bvh) = (traced.scene(), traced.accel().bvh());
-        let beam = PixelBeam::new(scene, bvh, pixel, Channel::Luminance).expect("a plain scene");
+        let (scene, accel) = (traced.scene(), traced.accel());
+        let beam = PixelBeam::new(scene, accel, pixel, Channel::Luminance).expect("a plain scene");
         let beam = beam.with_isa(isa);
         let never = AtomicBool::new(false);
         let mut all = Vec::new();

@@ -53,7 +53,8 @@ fn the_largest_sets_end_inside_the_cube() {
 /// that it has, with none nearer, and the words of `list samplers` name the largest.
 #[test]
 fn counts_are_as_stated() {
-    let odd = [1 << 20, (1 << 31) + 1, 1 << 32, (1 << 32) + 1, (1 << 44) - 1, 1 << 44, u64::MAX];
+    let odd =
+        [1 << 20, (1 << 31) + 1, 1 << 32, (1 << 32) + 1, (1 << 44) - 1, 1 << 44, u64::MAX - 1];
     for sampler in SHELF {
         let facts = sampler.facts();
         for dim in [1, 2, 3, 4, 5, 9, 64, 1024].into_iter().filter(|d| *d <= facts.max_dim) {
@@ -108,8 +109,10 @@ fn many_dimensions_are_each_uniform() {
             let m = f64::from(TRIALS);
             for (axis, [sum, squares]) in sums.into_iter().enumerate() {
                 let mean = sum / m;
-                let error = ((squares / m - mean * mean) / (m - 1.0)).sqrt();
-                assert!((mean - 0.5).abs() < 5.5 * error, "{set}, axis {axis}: {mean} ± {error}");
+                // A lattice is exact for a fold: no error but rounding.
+                let error = ((squares / m - mean * mean).max(0.0) / (m - 1.0)).sqrt();
+                let off = (mean - 0.5).abs();
+                assert!(off < 5.5 * error + 1e-9, "{set}, axis {axis}: {mean} ± {error}");
             }
         }
     }

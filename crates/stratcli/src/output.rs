@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
-use std::fs::{self, File};
+use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
@@ -63,11 +63,25 @@ pub fn is_broken_pipe(error: &anyhow::Error) -> bool {
     error.downcast_ref::<io::Error>().is_some_and(|e| e.kind() == io::ErrorKind::BrokenPipe)
 }
 
+/// Makes a folder, unless it is there; `option` is the one that names it.
+pub fn make_folder(path: &Path, option: &str) -> Result<()> {
+    fs::create_dir_all(path).with_context(|| {
+        format!("cannot make the folder {}; choose another with {option}", path.display())
+    })
+}
+
+/// What to say where a file that was opened could not be filled.
+pub fn unwritten(path: &Path) -> String {
+    format!("cannot write {}; make room there, or choose another place", path.display())
+}
+
 /// A file that gets its name when it is complete. Creating it early finds an unwritable place
-/// before the work is done; dropping it leaves no trace.
+/// before the work is done; dropping it leaves no trace. A link stays a link to the new file; a
+/// device or a pipe is written to as it is.
 pub struct AtomicFile {
     path: PathBuf,
-    temporary: PathBuf,
+    /// None where there is nothing to replace: the file is a device or a pipe.
+    temporary: Option<PathBuf>,
     file: File,
 }
 
@@ -85,24 +99,29 @@ impl AtomicFile {
 
     fn create_as(path: &Path, ending: &str) -> Result<Self> {
         let shown = path.display();
-        let Some(name) = path.file_name().filter(|_| !path.is_dir()) else {
+        let unwritable =
+            || format!("cannot write {shown}; choose a folder that exists and can be written to");
+        let found = path.metadata();
+        if found.as_ref().is_ok_and(|found| !found.is_file() && !found.is_dir()) {
+            let file = OpenOptions::new().write(true).open(path).with_context(unwritable)?;
+            return Ok(Self { path: path.to_owned(), temporary: None, file });
+        }
+        let target = if path.is_symlink() { path.canonicalize().ok() } else { None };
+        let target = target.unwrap_or_else(|| path.to_owned());
+        let Some(name) = target.file_name().filter(|_| !target.is_dir()) else {
             bail!("cannot write {shown}: it is a folder; name a file");
         };
         let mut hidden = std::ffi::OsString::from(".");
         hidden.push(name);
         hidden.push(ending);
-        let temporary = path.with_file_name(hidden);
-        let file = File::create(&temporary).with_context(|| {
-            format!("cannot write {shown}; choose a folder that exists and can be written to")
-        })?;
-        Ok(Self { path: path.to_owned(), temporary, file })
+        let temporary = target.with_file_name(hidden);
+        let file = File::create(&temporary).with_context(unwritable)?;
+        Ok(Self { path: target, temporary: Some(temporary), file })
     }
 
     /// Fills the file and gives it its name, in place of any older one.
     pub fn commit(mut self, contents: &[u8]) -> Result<()> {
-        self.file
-            .write_all(contents)
-            .with_context(|| format!("cannot write {}", self.path.display()))?;
+        self.file.write_all(contents).with_context(|| unwritten(&self.path))?;
         self.commit_written()
     }
 
@@ -113,17 +132,18 @@ impl AtomicFile {
 
     /// Gives the file its name with what was written to it, in place of any older one.
     pub fn commit_written(self) -> Result<()> {
+        let Some(temporary) = &self.temporary else { return Ok(()) };
         self.file
             .sync_all()
-            .and_then(|()| fs::rename(&self.temporary, &self.path))
-            .with_context(|| format!("cannot write {}", self.path.display()))
+            .and_then(|()| fs::rename(temporary, &self.path))
+            .with_context(|| unwritten(&self.path))
     }
 }
 
 impl Drop for AtomicFile {
     fn drop(&mut self) {
         // Gone already after `commit`.
-        let _ = fs::remove_file(&self.temporary);
+        let _ = self.temporary.as_ref().map(fs::remove_file);
     }
 }
 
@@ -145,6 +165,35 @@ mod tests {
         AtomicFile::create(&path).unwrap().commit(b"whole").unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "whole");
         assert_eq!(entries(), 1);
+    }
+
+    /// As root, `-o /dev/null` must not replace the device.
+    #[cfg(unix)]
+    #[test]
+    fn links_stay_links_and_pipes_stay_pipes() {
+        use std::io::Read;
+        use std::os::unix::fs::FileTypeExt;
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        fs::write(path("real"), "old").unwrap();
+        std::os::unix::fs::symlink("real", path("link")).unwrap();
+        AtomicFile::create(&path("link")).unwrap().commit(b"new").unwrap();
+        assert!(path("link").is_symlink());
+        assert_eq!(fs::read_to_string(path("real")).unwrap(), "new");
+
+        let made = std::process::Command::new("mkfifo").arg(path("pipe")).status();
+        assert!(made.unwrap().success());
+        let reader = std::thread::spawn({
+            let pipe = path("pipe");
+            move || {
+                let mut text = String::new();
+                File::open(pipe).unwrap().read_to_string(&mut text).map(|_| text)
+            }
+        });
+        AtomicFile::create(&path("pipe")).unwrap().commit(b"through").unwrap();
+        assert_eq!(reader.join().unwrap().unwrap(), "through");
+        assert!(path("pipe").metadata().unwrap().file_type().is_fifo());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 3);
     }
 
     #[test]

@@ -1,13 +1,10 @@
-//! A picture of linear radiance as the bytes of a PNG or an OpenEXR file.
+//! A picture of linear radiance as a PNG or an OpenEXR file.
+
+pub mod exr;
 
 use anyhow::{Context, Result, bail};
-use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes,
-    SpecificChannels, Text, Vec2, WritableImage,
-};
-use image::ImageEncoder;
-use image::codecs::png::PngEncoder;
-use std::io::Cursor;
+use std::io::{BufWriter, Cursor, Seek, Write};
+use std::ops::Range;
 use std::path::Path;
 use stratcore::scene::Rgb;
 
@@ -34,20 +31,71 @@ impl Format {
     /// The file's bytes. `rgb` is row-major from the top-left; `comments` go into the standard
     /// attribute of that name of an EXR.
     pub fn encode(self, size: [u32; 2], rgb: &[Rgb], comments: &str) -> Result<Vec<u8>> {
+        let mut file = Cursor::new(Vec::new());
+        let at = |row: u32| row as usize * size[0] as usize;
+        self.write(&mut file, size, comments, |rows| {
+            Ok(rgb[at(rows.start)..at(rows.end)].to_vec())
+        })?;
+        Ok(file.into_inner())
+    }
+
+    /// Writes the file, asking `lines` for some lines at a time, in order from the top: memory
+    /// does not grow with the picture.
+    pub fn write(
+        self,
+        out: impl Write + Seek,
+        size: [u32; 2],
+        comments: &str,
+        lines: impl FnMut(Range<u32>) -> Result<Vec<Rgb>>,
+    ) -> Result<()> {
         match self {
-            Self::Png => png(size, rgb),
-            Self::Exr => exr(size, rgb, comments),
+            Self::Png => write_png(out, size, lines),
+            Self::Exr => write_rgb(out, size, comments, lines),
         }
     }
 }
 
-fn png([width, height]: [u32; 2], rgb: &[Rgb]) -> Result<Vec<u8>> {
-    let bytes: Vec<u8> = rgb.iter().flatten().map(|x| srgb_byte(*x)).collect();
-    let mut file = Vec::new();
-    PngEncoder::new(&mut file)
-        .write_image(&bytes, width, height, image::ExtendedColorType::Rgb8)
-        .context("cannot encode the PNG")?;
-    Ok(file)
+/// The lines of a picture in bands of some hundred thousand pixels, each a multiple of `step`
+/// lines but for the last.
+fn bands([width, height]: [u32; 2], step: u32) -> impl Iterator<Item = Range<u32>> {
+    const PIXELS: u32 = 1 << 18;
+    let lines = (PIXELS / width.max(1) / step).max(1).saturating_mul(step);
+    (0..height).step_by(lines as usize).map(move |top| top..height.min(top.saturating_add(lines)))
+}
+
+fn write_png(
+    out: impl Write,
+    size: [u32; 2],
+    mut lines: impl FnMut(Range<u32>) -> Result<Vec<Rgb>>,
+) -> Result<()> {
+    const FAULT: &str = "cannot write the PNG";
+    let mut encoder = png::Encoder::new(BufWriter::new(out), size[0], size[1]);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_compression(png::Compression::Fast);
+    let mut file = encoder.write_header().context(FAULT)?;
+    let mut stream = file.stream_writer().context(FAULT)?;
+    for band in bands(size, 1) {
+        let bytes: Vec<u8> = lines(band)?.iter().flatten().map(|x| srgb_byte(*x)).collect();
+        stream.write_all(&bytes).context(FAULT)?;
+    }
+    stream.finish().context(FAULT)?;
+    file.finish().context(FAULT)
+}
+
+fn write_rgb(
+    out: impl Write + Seek,
+    size: [u32; 2],
+    comments: &str,
+    mut lines: impl FnMut(Range<u32>) -> Result<Vec<Rgb>>,
+) -> Result<()> {
+    let planes = |rows: Range<u32>| -> Result<Vec<f32>> {
+        let rgb = lines(rows)?;
+        let blue_first = |line: &[Rgb]| -> Vec<f32> {
+            [2, 1, 0].iter().flat_map(|&c| line.iter().map(move |rgb| rgb[c] as f32)).collect()
+        };
+        Ok(rgb.chunks_exact(size[0] as usize).flat_map(blue_first).collect())
+    };
+    exr::write_lines(out, size, &["B", "G", "R"], comments, planes)
 }
 
 /// The transfer curve of IEC 61966-2-1 (sRGB), rounded to 8 bits.
@@ -57,60 +105,10 @@ pub fn srgb_byte(linear: f64) -> u8 {
     (encoded * 255.0).round() as u8
 }
 
-fn exr([width, height]: [u32; 2], rgb: &[Rgb], comments: &str) -> Result<Vec<u8>> {
-    let width = width as usize;
-    let pixels = SpecificChannels::rgb(|Vec2(x, y): Vec2<usize>| {
-        let [r, g, b] = rgb[y * width + x].map(|value| value as f32);
-        (r, g, b)
-    });
-    let layer =
-        Layer::new((width, height as usize), about(comments), Encoding::SMALL_LOSSLESS, pixels);
-    let mut file = Cursor::new(Vec::new());
-    // One thread: the writer's own pool would ignore --threads.
-    Image::from_layer(layer)
-        .write()
-        .non_parallel()
-        .to_buffered(&mut file)
-        .context("cannot encode the EXR")?;
-    Ok(file.into_inner())
-}
-
-/// Attributes of our own would be written in the order of a hash map, another in every run.
-fn about(comments: &str) -> LayerAttributes {
-    LayerAttributes {
-        software_name: Text::new_or_none(concat!("stratcli ", env!("CARGO_PKG_VERSION"))),
-        comments: Text::new_or_none(comments),
-        ..Default::default()
-    }
-}
-
-/// An OpenEXR file of named float channels, row-major from the top-left. `comments` go into
-/// the standard attribute of that name.
-pub fn exr_channels(
-    [width, height]: [u32; 2],
-    channels: Vec<(String, Vec<f32>)>,
-    comments: &str,
-) -> Result<Vec<u8>> {
-    let channels = channels
-        .into_iter()
-        .map(|(name, values)| AnyChannel::new(name.as_str(), FlatSamples::F32(values)))
-        .collect();
-    let size = (width as usize, height as usize);
-    let layer =
-        Layer::new(size, about(comments), Encoding::SMALL_LOSSLESS, AnyChannels::sort(channels));
-    let mut file = Cursor::new(Vec::new());
-    Image::from_layer(layer)
-        .write()
-        .non_parallel()
-        .to_buffered(&mut file)
-        .context("cannot encode the EXR")?;
-    Ok(file.into_inner())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use exr::prelude::{ReadChannels, ReadLayers};
+    use ::exr::prelude::{ReadChannels, ReadLayers, Text};
 
     #[test]
     fn srgb_meets_its_published_points() {
@@ -136,7 +134,7 @@ mod tests {
         assert_eq!(read.get_pixel(2, 0).0[0], 188);
 
         let exr = Format::Exr.encode(size, &rgb, "seed 7").unwrap();
-        let read = exr::prelude::read()
+        let read = ::exr::prelude::read()
             .no_deep_data()
             .largest_resolution_level()
             .all_channels()

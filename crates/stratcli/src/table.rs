@@ -75,8 +75,10 @@ pub fn study(title: &str, result: &StudyResult) -> String {
         let _ = writeln!(text, "M = {} trials, seed {}", result.trials, result.seed);
     }
     if let Some(reference) = result.reference {
+        let by_polygons = result.samplers.iter().any(|sampler| sampler.method == Method::Exact);
+        let source = if by_polygons { "from the visible polygons" } else { "closed form" };
         let _ = match reference.std_error {
-            0.0 => writeln!(text, "reference mean {} (closed form)", reference.mean),
+            0.0 => writeln!(text, "reference mean {} ({source})", reference.mean),
             error => writeln!(text, "reference mean {} ± {}", reference.mean, number(error, 2)),
         };
     }

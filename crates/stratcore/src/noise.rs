@@ -8,7 +8,6 @@
 
 use crate::variance::Moments;
 use statrs::distribution::{Beta, ChiSquared, ContinuousCDF};
-use statrs::function::gamma::digamma;
 
 /// The law of a measured variance s² around the true one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,9 +34,10 @@ impl Noise {
     pub fn var_ln(&self) -> f64 {
         match *self {
             Self::None => 0.0,
-            Self::ChiSquare { dof } => trigamma(0.5 * dof),
+            Self::ChiSquare { dof } => Polygamma::of(0.5 * dof).trigamma,
             Self::TwoValues { rarer, trials } => {
                 let (a, b) = jeffreys(rarer, trials);
+                let trigamma = |x| Polygamma::of(x).trigamma;
                 trigamma(a) + trigamma(b) - 4.0 * trigamma(a + b)
             }
         }
@@ -48,9 +48,10 @@ impl Noise {
     pub fn ln_variance(&self, variance: f64) -> f64 {
         match *self {
             Self::None => variance.ln(),
-            Self::ChiSquare { dof } => variance.ln() + (0.5 * dof).ln() - digamma(0.5 * dof),
+            Self::ChiSquare { dof } => variance.ln() + Polygamma::of(0.5 * dof).below_ln,
             Self::TwoValues { rarer, trials } => {
                 let (a, b) = jeffreys(rarer, trials);
+                let digamma = |x: f64| x.ln() - Polygamma::of(x).below_ln;
                 let expected = digamma(a) + digamma(b) - 2.0 * digamma(a + b);
                 squared_step(variance, rarer, trials).ln() + expected
             }
@@ -132,12 +133,15 @@ fn noise(n: u64, moments: &Moments, kurtosis: f64) -> Noise {
 fn pooled_kurtosis(rows: &[(u64, Moments)]) -> Vec<f64> {
     const OWN: f64 = 0.25;
     let basis = |n: u64| [1.0 / n as f64, 1.0 / (n as f64).sqrt()];
+    let known: Vec<_> = rows
+        .iter()
+        .map(|(n, moments)| (basis(*n), moments.count as f64, moments.excess_kurtosis()))
+        .collect();
     // Normal equations of the ridge regression; the prior is the identity.
     let (mut aa, mut ab, mut bb, mut ya, mut yb) = (1.0, 0.0, 1.0, 0.0, 0.0);
-    for (n, moments) in rows {
-        let Some(kurtosis) = moments.excess_kurtosis() else { continue };
-        let [a, b] = basis(*n);
-        let weight = moments.count as f64 / 24.0;
+    for ([a, b], count, own) in &known {
+        let Some(kurtosis) = own else { continue };
+        let weight = count / 24.0;
         aa += weight * a * a;
         ab += weight * a * b;
         bb += weight * b * b;
@@ -146,28 +150,51 @@ fn pooled_kurtosis(rows: &[(u64, Moments)]) -> Vec<f64> {
     }
     let determinant = aa * bb - ab * ab;
     let trend = [(ya * bb - yb * ab) / determinant, (yb * aa - ya * ab) / determinant];
-    rows.iter()
-        .map(|(n, moments)| {
-            let [a, b] = basis(*n);
-            let common = trend[0] * a + trend[1] * b;
-            let noise = (24.0 + common.max(0.0).powi(3)) / moments.count as f64;
-            let own = moments.excess_kurtosis().unwrap_or(common);
-            common + OWN / (OWN + noise) * (own - common)
-        })
-        .collect()
+    let pooled = |([a, b], count, own): ([f64; 2], f64, Option<f64>)| {
+        let common = trend[0] * a + trend[1] * b;
+        let noise = (24.0 + common.max(0.0).powi(3)) / count;
+        common + OWN / (OWN + noise) * (own.unwrap_or(common) - common)
+    };
+    known.into_iter().map(pooled).collect()
 }
 
-/// ψ′(x) for x > 0: recurrence up to 8, then the asymptotic series (Abramowitz & Stegun 6.4.12).
-fn trigamma(mut x: f64) -> f64 {
-    let mut sum = 0.0;
-    while x < 8.0 {
-        sum += 1.0 / (x * x);
-        x += 1.0;
+/// The digamma and trigamma functions at x > 0.
+struct Polygamma {
+    /// ln x - ψ(x)
+    below_ln: f64,
+    /// ψ′(x)
+    trigamma: f64,
+}
+
+impl Polygamma {
+    /// Recurrence up to 8, then the asymptotic series (Abramowitz & Stegun 6.3.18, 6.4.12), to
+    /// 1e-12 of each. The difference from the logarithm is what is wanted of ψ, so it is what is
+    /// summed.
+    fn of(x: f64) -> Self {
+        let (mut at, mut sum, mut squares) = (x, 0.0, 0.0);
+        while at < 8.0 {
+            let inverse = 1.0 / at;
+            sum += inverse;
+            squares += inverse * inverse;
+            at += 1.0;
+        }
+        if at > x {
+            sum += (x / at).ln();
+        }
+        let r = 1.0 / at;
+        let y = r * r;
+        let of_psi = 1.0 / 12.0
+            - y * (1.0 / 120.0
+                - y * (1.0 / 252.0
+                    - y * (1.0 / 240.0 - y * (1.0 / 132.0 - y * (691.0 / 32760.0)))));
+        let of_slope = 1.0 / 6.0
+            - y * (1.0 / 30.0
+                - y * (1.0 / 42.0 - y * (1.0 / 30.0 - y * (5.0 / 66.0 - y * (691.0 / 2730.0)))));
+        Self {
+            below_ln: sum + 0.5 * r + y * of_psi,
+            trigamma: squares + r + 0.5 * y + y * r * of_slope,
+        }
     }
-    let y = 1.0 / (x * x);
-    let series =
-        1.0 / 6.0 - y * (1.0 / 30.0 - y * (1.0 / 42.0 - y * (1.0 / 30.0 - y * 5.0 / 66.0)));
-    sum + 1.0 / x + 0.5 * y + y / x * series
 }
 
 #[cfg(test)]
@@ -176,11 +203,27 @@ mod tests {
     use std::f64::consts::PI;
 
     #[test]
-    fn trigamma_at_known_points() {
-        for (x, value) in [(1.0, PI * PI / 6.0), (0.5, PI * PI / 2.0), (2.0, PI * PI / 6.0 - 1.0)] {
-            assert!((trigamma(x) / value - 1.0).abs() < 1e-12, "{x}");
+    fn polygamma_at_known_points() {
+        const EULER: f64 = 0.577_215_664_901_532_9;
+        // ψ(1) = -γ, ψ(1/2) = -γ - 2 ln 2, ψ(2) = 1 - γ.
+        for (x, psi, slope) in [
+            (1.0, -EULER, PI * PI / 6.0),
+            (0.5, -EULER - 2.0 * 2f64.ln(), PI * PI / 2.0),
+            (2.0, 1.0 - EULER, PI * PI / 6.0 - 1.0),
+        ] {
+            let found = Polygamma::of(x);
+            assert!((found.trigamma / slope - 1.0).abs() < 1e-12, "{x}");
+            assert!((found.below_ln / (x.ln() - psi) - 1.0).abs() < 1e-12, "{x}");
         }
-        assert!((trigamma(1e6) * 1e6 - 1.0 - 0.5e-6).abs() < 1e-9);
+        let far = Polygamma::of(1e6);
+        assert!((far.trigamma * 1e6 - 1.0 - 0.5e-6).abs() < 1e-9);
+        assert!((far.below_ln * 2e6 - 1.0).abs() < 1e-6);
+        // Another implementation, on both sides of the border.
+        for i in 1..400 {
+            let x = 0.05 * f64::from(i);
+            let other = x.ln() - statrs::function::gamma::digamma(x);
+            assert!((Polygamma::of(x).below_ln / other - 1.0).abs() < 1e-9, "{x}");
+        }
     }
 
     #[test]

@@ -304,6 +304,12 @@ fn patterns_are_those_of_the_command_line() {
     let batch = discrepancies(&plan, dim, &measures, Control::unwatched()).unwrap();
     assert_eq!(model.discrepancy.result.as_ref().unwrap(), &batch.curves);
 
+    // Nothing reaches beyond the window.
+    for name in ["Points", "Power spectrum"] {
+        let area = window.harness.get_by_label(name).rect();
+        assert!(area.right() <= 1280.0 && area.bottom() <= 720.0, "{name}: {area}");
+    }
+
     // The keys of the page: the next N that the sampler has, the next sampler.
     window.harness.key_press(Key::ArrowRight);
     window.harness.run_steps(2);
@@ -371,7 +377,7 @@ fn the_trade_of_a_picture_has_the_errors_of_the_command_line() {
     // Times are the machine's; errors are not.
     let errors = |trade: &TradeResult| -> Vec<_> {
         let rows = trade.samplers.iter().flat_map(|sampler| &sampler.rows);
-        rows.map(|row| row.error.clone()).collect()
+        rows.map(|row| row.error).collect()
     };
     let model = &window.harness.state().model;
     let shown = &model.trade.result.as_ref().unwrap().result;

@@ -81,14 +81,17 @@ pub struct MemoryFacts {
 impl MemoryFacts {
     pub fn of(traced: &TracedScene) -> Self {
         let Scene { mesh, materials, .. } = traced.scene();
-        let bvh = traced.accel().bvh();
+        let accel = traced.accel();
+        let bvh = accel.bvh();
         Self {
             scene: size_of_val(&*mesh.positions)
                 + size_of_val(&*mesh.triangles)
                 + size_of_val(&*mesh.materials)
                 + mesh.corner_normals.as_deref().map_or(0, size_of_val)
                 + size_of_val(&**materials),
-            bvh: size_of_val(&*bvh.nodes) + size_of_val(&*bvh.primitive_indices),
+            bvh: size_of_val(&*bvh.nodes)
+                + size_of_val(&*bvh.primitive_indices)
+                + size_of_val(accel.corners()),
         }
     }
 }

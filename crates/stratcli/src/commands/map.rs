@@ -132,7 +132,7 @@ impl Job {
             Err(error) => return Err(error),
         }
         if is_fresh {
-            estimate::judge(self, &header, start.elapsed(), common)?;
+            estimate::judge(self, &header, start.elapsed(), common);
         }
         let found = log.with_set(|set| finish::write(set, &header, &self.output))?;
         fs::remove_file(&part).with_context(|| format!("cannot remove {}", part.display()))?;

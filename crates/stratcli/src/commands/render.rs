@@ -9,9 +9,11 @@ use crate::progress::Progress;
 use crate::report::chart::label;
 use anyhow::{Context, Result, ensure};
 use serde::Serialize;
+use std::ops::Range;
 use std::path::Path;
 use stratcore::sampler::Scramble;
-use stratcore::study::{SamplerChoice, render};
+use stratcore::scene::Rgb;
+use stratcore::study::{Control, SamplerChoice, render_pixels};
 use stratcore::trace::TracedScene;
 
 /// How a picture was made; an EXR carries it with it.
@@ -36,8 +38,6 @@ struct Rendered<'a> {
 
 pub fn run(args: &RenderArgs, common: &Common) -> Result<Outcome> {
     const MOST_STOPS: f64 = 100.0;
-    /// 24 bytes each, twice.
-    const MOST_PIXELS: u64 = 1 << 28;
     let RenderArgs { spp, exposure, ref output, .. } = *args;
     let format = Format::of(output)?;
     ensure!(spp >= 1, "--spp {spp}: a picture needs at least 1 sample per pixel");
@@ -48,32 +48,32 @@ pub fn run(args: &RenderArgs, common: &Common) -> Result<Outcome> {
     let choice = SamplerChoice::named(&args.sampler).context("--sampler")?;
     let scene = super::load(&args.scene, common)?;
     let [width, height] = scene.camera.resolution;
-    ensure!(
-        u64::from(width) * u64::from(height) <= MOST_PIXELS,
-        "{}: {width} × {height} pixels are more than a picture in memory may have, {MOST_PIXELS}; \
-         lower the camera's resolution",
-        args.scene,
-    );
     let file = AtomicFile::create(output)?;
-
     let name = scene.name.clone();
     let samples = spp.saturating_mul(u64::from(width) * u64::from(height));
     let traced = TracedScene::new(scene);
+    // What cannot be rendered is refused before the first line.
+    render_pixels(&traced, &[], choice, spp, common.seed, Control::unwatched())
+        .map_err(plan::about_spp)?;
     let progress = Progress::new("rendering", samples, common);
-    let mut picture =
-        render(&traced, choice, spp, common.seed, progress.control()).map_err(plan::about_spp)?;
-    drop(progress);
-
-    let gain = exposure.exp2();
-    for value in picture.pixels.as_flattened_mut() {
-        *value *= gain;
-    }
     let seed = common.seed;
     let (sampler, scramble) = (choice.sampler.name(), choice.scramble);
     let provenance =
         Provenance { scene: &name, width, height, sampler, scramble, spp, exposure, seed };
     let comments = serde_json::to_string(&provenance)?;
-    file.commit(&format.encode([width, height], &picture.pixels, &comments)?)?;
+    let gain = exposure.exp2();
+    let lines = |rows: Range<u32>| -> Result<Vec<Rgb>> {
+        let pixels: Vec<_> = rows.flat_map(|y| (0..width).map(move |x| [x, y])).collect();
+        let control = progress.control();
+        let mut colours = render_pixels(&traced, &pixels, choice, spp, seed, control)?;
+        colours.as_flattened_mut().iter_mut().for_each(|value| *value *= gain);
+        Ok(colours)
+    };
+    format
+        .write(file.file(), [width, height], &comments, lines)
+        .with_context(|| output::unwritten(output))?;
+    file.commit_written()?;
+    drop(progress);
     if common.json {
         output::print_json(Rendered { output, provenance })?;
     } else {

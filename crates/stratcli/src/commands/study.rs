@@ -10,7 +10,6 @@ use crate::report::raster::data_uri;
 use crate::study_file::{SceneEntry, StudyFile};
 use anyhow::{Context, Result};
 use serde::Serialize;
-use std::fs;
 use std::path::Path;
 use stratcore::input::{self, MAX_DATA};
 use stratcore::integrand::Integrand as _;
@@ -27,9 +26,7 @@ struct StudySummary<'a> {
 
 pub fn run(args: &StudyFileArgs, common: &Common) -> Result<Outcome> {
     let study = StudyFile::read(&args.file)?;
-    fs::create_dir_all(&args.output).with_context(|| {
-        format!("cannot make the folder {}; choose another with --output", args.output.display())
-    })?;
+    output::make_folder(&args.output, "--output")?;
     // Every fault of the file is found before the first map is made.
     let jobs = study
         .scenes()

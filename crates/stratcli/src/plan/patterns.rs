@@ -59,9 +59,11 @@ pub fn points(args: &PointsArgs, common: &Common, is_drawn: bool) -> Result<Poin
          {MOST}; ask for fewer sets or points"
     );
     let axes = is_drawn.then(|| axes_of(&args.axes, dim)).transpose()?;
+    // The explorer draws without being told to.
+    let flag = if args.plot.is_some() { "--plot: " } else { "" };
     ensure!(
         !is_drawn || n_used <= MOST_DRAWN,
-        "{n_used} points are more than a drawing shows, {MOST_DRAWN}; ask for fewer"
+        "{flag}{n_used} points are more than a drawing shows, {MOST_DRAWN}; ask for fewer"
     );
     let set = point_set(choice, dim, n_used, policy, common.seed);
     let set = PointSet { key: StreamKey { trial, ..set.key }, ..set };

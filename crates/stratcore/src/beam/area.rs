@@ -42,31 +42,23 @@ impl<'a> AreaBeam<'a> {
         let scene = self.scene.scene();
         let facet = &self.beam.facets()[id as usize];
         let point = scene.camera.eye + self.beam.centred().direction(s, t) / w;
-        let n_lights = scene.distribution.lights.len();
-        let mut sum = [0.0; 3];
-        for (number, (light, at)) in
-            scene.distribution.lights.iter().zip(lights.chunks_exact(2)).enumerate()
-        {
-            let Some(sample) = light.sample(point, at[0], at[1]) else { continue };
-            let cosine = facet.normal.dot(sample.to_light) / sample.to_light.length();
+        let all = &scene.distribution.lights;
+        scene.distribution.irradiance(point, lights, |number, to_light| {
+            let cosine = facet.normal.dot(to_light) / to_light.length();
             if cosine <= 0.0 {
-                continue;
+                return 0.0;
             }
-            let between = self.between[id as usize * n_lights + number].get_or_init(|| {
-                let ends = light.bounds().map(|p| p - scene.camera.eye);
+            let between = self.between[id as usize * all.len() + number].get_or_init(|| {
+                let ends = all[number].bounds().map(|p| p - scene.camera.eye);
                 between(scene, self.scene.accel().bvh(), facet, self.beam.centred(), ends)
             });
-            let ray = Ray { origin: point, direction: sample.to_light };
+            let ray = Ray { origin: point, direction: to_light };
             let is_dark = between.iter().any(|id| {
                 ray.meets(scene.mesh.corners(*id as usize))
                     .is_some_and(|crossing| crossing.inverse_t * SHORT_OF_THE_LIGHT > 1.0)
             });
-            if !is_dark {
-                let gain = sample.weight * cosine;
-                sum = std::array::from_fn(|i| sum[i] + gain * light.radiance[i]);
-            }
-        }
-        sum
+            if is_dark { 0.0 } else { cosine }
+        })
     }
 }
 

@@ -7,8 +7,7 @@
 //! the world.
 
 use crate::beam::affine::{Affine, CentredFrame};
-use crate::beam::gather::Frustum;
-use crate::scene::Mesh;
+use crate::beam::gather::{Frustum, Seen};
 use glam::DVec3;
 
 /// What a pixel needs of a triangle that may be seen in it.
@@ -21,6 +20,8 @@ pub(crate) struct Facet {
     pub edges: [Affine; 3],
     /// 1/t, t the ray parameter of the hit; positive before the eye.
     pub inverse_depth: Affine,
+    /// Greatest 1/t of its part of the pixel, at the least.
+    pub nearest: f64,
     /// Unit normal, towards the eye.
     pub normal: DVec3,
     /// Distance of the triangle's plane from the eye, not negative.
@@ -33,16 +34,14 @@ impl Facet {
     /// None for a triangle that has no area, is seen edge-on, or lies outside the pixel for
     /// certain.
     pub fn new(
-        mesh: &Mesh,
+        corner: &[DVec3; 3],
         id: u32,
         eye: DVec3,
         centred: &CentredFrame,
         frustum: &Frustum,
     ) -> Option<Self> {
-        let index = mesh.triangles[id as usize];
-        let corner = index.map(|i| mesh.positions[i as usize]);
         let relative = corner.map(|p| p - eye);
-        let rows = frustum.rows_of(&relative)?;
+        let Seen { rows, inverse_depth: corner_inverse_depth } = frustum.seen(&relative)?;
         let normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
         let length = normal.length();
         let distance = relative[0].dot(normal) / length;
@@ -52,7 +51,7 @@ impl Facet {
         }
         let orientation = distance.signum();
         let mut edges = [Affine::default(); 3];
-        for (edge, (p, q, sign)) in edges.iter_mut().zip(ordered_edges(&corner)) {
+        for (edge, (p, q, sign)) in edges.iter_mut().zip(ordered_edges(corner)) {
             // The difference of ends that lie close together is free of rounding, which p × q
             // itself is not.
             let plane = relative[p].cross(corner[q] - corner[p]);
@@ -68,11 +67,12 @@ impl Facet {
         }
         let normal = normal * (orientation / length);
         let inverse_depth = Affine::dot(normal, centred).scaled(distance.abs().recip());
-        let before_eye = inverse_depth.c + inverse_depth.radius() > 0.0;
-        (before_eye && inverse_depth.magnitude().is_finite()).then_some(Self {
+        let nearest = (inverse_depth.c + inverse_depth.radius()).min(corner_inverse_depth);
+        (nearest > 0.0 && inverse_depth.magnitude().is_finite()).then_some(Self {
             triangle: id,
             edges,
             inverse_depth,
+            nearest,
             normal: -normal,
             plane_distance: distance.abs(),
             rows,
@@ -91,10 +91,9 @@ impl Facet {
         self.edges.iter().all(|edge| edge.c - edge.radius() > 1e-9)
     }
 
-    /// Least and greatest 1/t over the pixel.
-    pub fn inverse_depth_range(&self) -> [f64; 2] {
-        let radius = self.inverse_depth.radius();
-        [self.inverse_depth.c - radius, self.inverse_depth.c + radius]
+    /// Least 1/t of its plane over the pixel.
+    pub fn farthest_in_pixel(&self) -> f64 {
+        self.inverse_depth.c - self.inverse_depth.radius()
     }
 }
 

@@ -11,7 +11,7 @@ use crate::scene::{Channel, Distribution, Light, PixelFrame, Scene};
 use crate::simd::{
     self, Cells, Entry, Facet32, Ground, Isa, Lanes4, Pixel32, Shading, Strata, Trials, Work,
 };
-use obvhs::bvh2::Bvh2;
+use crate::trace::Accel;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Mutex, OnceLock};
 
@@ -39,20 +39,20 @@ pub struct PixelBeam {
 }
 
 impl PixelBeam {
-    /// Gathers and sets up what pixel (x, y) can see. `bvh` holds the scene's triangles,
-    /// relative to the eye, in boxes that contain them.
+    /// Gathers and sets up what pixel (x, y) can see of the scene, whose triangles `accel`
+    /// holds relative to the eye.
     ///
     /// None for a scene that asks for smooth shading, whose radiance is not affine data, and for
     /// one with a lens, a shutter, mirrors, glass or bounces. Area lights are left to
     /// [`AreaBeam`](super::AreaBeam).
-    pub fn new(scene: &Scene, bvh: &Bvh2, pixel: [u32; 2], channel: Channel) -> Option<Self> {
-        Self::of_frame(scene, bvh, &scene.camera.pixel(pixel), channel)
+    pub fn new(scene: &Scene, accel: &Accel, pixel: [u32; 2], channel: Channel) -> Option<Self> {
+        Self::of_frame(scene, accel, &scene.camera.pixel(pixel), channel)
     }
 
     /// The same for any parallelogram of the picture.
     pub fn of_frame(
         scene: &Scene,
-        bvh: &Bvh2,
+        accel: &Accel,
         frame: &PixelFrame,
         channel: Channel,
     ) -> Option<Self> {
@@ -63,9 +63,14 @@ impl PixelBeam {
             return None;
         }
         let centred = CentredFrame::new(frame);
-        let facets = visible_facets(scene, bvh, &centred);
-        let shades: Vec<_> =
-            facets.iter().map(|facet| Shade::new(scene, channel, facet, &centred)).collect();
+        let facets = visible_facets(scene, accel, &centred);
+        // Far apart in memory: asked for side by side, they arrive together.
+        let materials: Vec<u32> =
+            facets.iter().map(|facet| scene.mesh.materials[facet.triangle as usize]).collect();
+        let shade = |(facet, material): (&Facet, u32)| {
+            Shade::new(scene, &scene.materials[material as usize], channel, facet, &centred)
+        };
+        let shades: Vec<_> = facets.iter().zip(materials).map(shade).collect();
         let background = channel.of(scene.background);
         let length_squared = centred.length_squared();
         let ground = match (facets.first(), shades.first()) {
@@ -90,7 +95,7 @@ impl PixelBeam {
         for (facet, shade) in facets.iter().zip(&shades) {
             let first = all_occluders.len() as u32;
             if shade.is_lit() {
-                occluders(scene, bvh, facet, &centred, &mut all_occluders);
+                occluders(scene, accel.bvh(), facet, &centred, &mut all_occluders);
             }
             let mut out = facet_lanes(facet, depth_unit);
             out.occluders = first..all_occluders.len() as u32;
@@ -299,39 +304,39 @@ impl Integrand for PixelBeam {
 }
 
 /// Facets of the triangles that are not certainly hidden, nearest leaf first.
-fn visible_facets(scene: &Scene, bvh: &Bvh2, centred: &CentredFrame) -> Vec<Facet> {
+fn visible_facets(scene: &Scene, accel: &Accel, centred: &CentredFrame) -> Vec<Facet> {
     let eye = scene.camera.eye;
     let frustum = Frustum::new(centred);
     let mut facets: Vec<Facet> = Vec::new();
     // 1/t that some covering facet reaches everywhere in the pixel.
     let mut horizon = 0.0;
-    gather(bvh, &frustum, |leaf| {
-        for &id in leaf {
-            let Some(facet) = Facet::new(&scene.mesh, id, eye, centred, &frustum) else { continue };
-            let [lo, hi] = facet.inverse_depth_range();
-            if hi < horizon * (1.0 - 1e-9) {
+    gather(accel, &frustum, |slots| {
+        for &slot in slots {
+            let (id, corners) = (accel.triangle(slot), &accel.corners()[slot as usize]);
+            let Some(facet) = Facet::new(corners, id, eye, centred, &frustum) else { continue };
+            if facet.nearest < horizon * (1.0 - 1e-9) {
                 continue;
             }
-            if facet.covers() && lo > horizon {
-                horizon = lo;
+            if facet.covers() {
+                horizon = facet.farthest_in_pixel().max(horizon);
             }
             facets.push(facet);
         }
         (horizon.recip() * (1.0 + 1e-6)) as f32
     });
-    facets.retain(|facet| facet.inverse_depth_range()[1] >= horizon * (1.0 - 1e-9));
-    let farthest_last = |facet: &Facet| -facet.inverse_depth_range()[1];
+    facets.retain(|facet| facet.nearest >= horizon * (1.0 - 1e-9));
     // In no way that depends on the tree, whose boxes round with the units of the scene.
-    facets.sort_by(|a, b| {
-        farthest_last(a).total_cmp(&farthest_last(b)).then(a.triangle.cmp(&b.triangle))
-    });
-    facets
+    let mut order: Vec<_> =
+        facets.iter().map(|facet| (facet.nearest, facet.triangle)).zip(0..).collect();
+    order.sort_unstable_by(|((a, i), _), ((b, j), _)| b.total_cmp(a).then(i.cmp(j)));
+    order.into_iter().map(|(_, at): (_, usize)| facets[at]).collect()
 }
 
 /// The power of two next to the greatest 1/t of the pixel. In units of it f32 holds the cube of
-/// 1/t, whatever the units of the scene; dividing by it changes no bit of a number.
+/// 1/t, whatever the units of the scene; dividing by it changes no bit of a number. Facets come
+/// nearest first.
 fn depth_unit(facets: &[Facet]) -> f64 {
-    let greatest = facets.iter().map(|facet| facet.inverse_depth_range()[1]).fold(0.0, f64::max);
+    let greatest = facets.first().map_or(0.0, |facet| facet.nearest);
     if greatest > 0.0 && greatest.is_finite() { greatest.log2().floor().exp2() } else { 1.0 }
 }
 
@@ -342,7 +347,7 @@ fn facet_lanes(facet: &Facet, depth_unit: f64) -> Facet32 {
     Facet32 {
         lanes: lanes([facet.edges[0], facet.edges[1], facet.edges[2], *w]),
         w_slack,
-        w_hi: (w.c + w.radius()) as f32 + 2.0 * w_slack,
+        w_hi: (facet.nearest / depth_unit) as f32 + 2.0 * w_slack,
         rows: [facet.rows[0] as f32 - 1e-6, facet.rows[1] as f32 + 1e-6],
         ..Facet32::default()
     }

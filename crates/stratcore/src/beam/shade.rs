@@ -26,8 +26,14 @@ pub(crate) enum Lit {
 }
 
 impl Shade {
-    pub fn new(scene: &Scene, channel: Channel, facet: &Facet, centred: &CentredFrame) -> Self {
-        let material = &scene.materials[scene.mesh.materials[facet.triangle as usize] as usize];
+    /// `material` is the facet's.
+    pub fn new(
+        scene: &Scene,
+        material: &Material,
+        channel: Channel,
+        facet: &Facet,
+        centred: &CentredFrame,
+    ) -> Self {
         let product = |light: Rgb| channel_product(channel, material, light);
         let unlit = channel.of(material.ke) + product(scene.ambient);
         let lit = match scene.light {

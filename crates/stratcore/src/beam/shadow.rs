@@ -105,16 +105,18 @@ pub(crate) fn occluders(
     out: &mut Vec<Occluder>,
 ) {
     let eye = scene.camera.eye;
-    let patch = patch(scene, receiver, centred);
+    let patch = || patch(scene, receiver, centred);
     let shaft = match scene.light {
         Light::Off | Light::Headlight => return,
-        Light::Point { position, .. } => Shaft::between([position - eye; 2], patch),
+        Light::Point { position, .. } => Shaft::between([position - eye; 2], patch()),
         Light::Directional { towards, .. } => {
-            Shaft { start: patch, run: [towards; 2], end: f64::INFINITY }
+            Shaft { start: patch(), run: [towards; 2], end: f64::INFINITY }
         }
     };
     shaft.visit(bvh, |id| {
-        if id != receiver.triangle {
+        // By its own box, not its leaf's: what is found does not depend on the tree.
+        let corners = scene.mesh.corners(id as usize).map(|p| p - eye);
+        if id != receiver.triangle && shaft.touches_triangle(&corners) {
             out.extend(Occluder::new(scene, id, &scene.light, receiver, centred));
         }
     });
@@ -138,12 +140,7 @@ pub(super) fn between(
         let faces = corners.iter().any(|p| {
             receiver.normal.dot(*p) + receiver.plane_distance > 1e-10 * receiver.plane_distance
         });
-        let touches = || {
-            let [lo, hi] = bounds(&corners).map(|p| p.as_vec3a());
-            let slack = lo.abs().max(hi.abs()) * f32::EPSILON;
-            shaft.touches(&Aabb::new(lo - slack, hi + slack))
-        };
-        if id != receiver.triangle && faces && touches() {
+        if id != receiver.triangle && faces && shaft.touches_triangle(&corners) {
             found.push(id);
         }
     });
@@ -201,6 +198,13 @@ impl Shaft {
         }
     }
 
+    /// Whether the shaft may touch a triangle, by its box.
+    fn touches_triangle(&self, corners: &[DVec3; 3]) -> bool {
+        let [lo, hi] = bounds(corners).map(|p| p.as_vec3a());
+        let slack = lo.abs().max(hi.abs()) * f32::EPSILON;
+        self.touches(&Aabb::new(lo - slack, hi + slack))
+    }
+
     /// False only when no τ brings the shaft into the box: each side of the box bounds τ from
     /// one end.
     fn touches(&self, aabb: &Aabb) -> bool {
@@ -224,6 +228,8 @@ impl Shaft {
             keep(start[1] - lo, self.run[1][axis], size);
             keep(hi - start[0], -self.run[0][axis], size);
         }
-        first <= last + 1e-9 * (1.0 + last.abs().min(1.0))
+        // τ of a light that is infinitely far is a length of the scene.
+        let size = if last.is_finite() { first.max(last.abs()) } else { 0.0 };
+        first <= last + 2e-9 * size
     }
 }

@@ -100,7 +100,7 @@ fn positions_at_edges(beam: &PixelBeam, seed: u64, n: usize) -> Vec<f64> {
 fn mismatches(traced: &TracedScene, pixel: [u32; 2], points: &[f64]) -> usize {
     let scene = traced.scene();
     let frame = scene.camera.pixel(pixel);
-    let beam = PixelBeam::new(scene, traced.accel().bvh(), pixel, Channel::R).unwrap();
+    let beam = PixelBeam::new(scene, traced.accel(), pixel, Channel::R).unwrap();
     let mut values = vec![0.0; points.len() / 2];
     beam.eval_block(points, &mut values);
     let label = |u: f64, v: f64| traced.brute_force_hit(scene.camera.eye, frame.direction(u, v));
@@ -136,8 +136,8 @@ fn every_sample_sees_what_a_loop_over_all_triangles_sees() {
         let traced = labelled(&soup(seed, 160), [8, 6], fov_y);
         for y in 0..6 {
             for x in 0..8 {
-                let (bvh, seed) = (traced.accel().bvh(), seed * 1000 + u64::from(y * 8 + x));
-                let beam = PixelBeam::new(traced.scene(), bvh, [x, y], Channel::R).unwrap();
+                let (accel, seed) = (traced.accel(), seed * 1000 + u64::from(y * 8 + x));
+                let beam = PixelBeam::new(traced.scene(), accel, [x, y], Channel::R).unwrap();
                 let mut points = positions(seed, 300);
                 points.extend(positions_at_edges(&beam, seed, 200));
                 samples += points.len() / 2;
@@ -161,8 +161,8 @@ fn a_shared_edge_leaks_no_sample() {
     let fan: Vec<_> = (0..97).map(|i| [centre, corner(i), corner(i + 1)]).collect();
     let traced = labelled(&fan, [4, 4], 30.0);
     for pixel in 0..16 {
-        let (bvh, at) = (traced.accel().bvh(), [pixel % 4, pixel / 4]);
-        let beam = PixelBeam::new(traced.scene(), bvh, at, Channel::R).unwrap();
+        let (accel, at) = (traced.accel(), [pixel % 4, pixel / 4]);
+        let beam = PixelBeam::new(traced.scene(), accel, at, Channel::R).unwrap();
         let points = positions(u64::from(pixel), 20_000);
         let mut values = vec![0.0; 20_000];
         beam.eval_block(&points, &mut values);
@@ -195,8 +195,8 @@ fn all_instruction_sets_give_the_same_bits() {
         let traced = TracedScene::new(scene);
         for pixel in [[128, 75], [100, 120], [10, 10], [200, 160], [60, 83]] {
             let means = |isa| {
-                let (scene, bvh) = (traced.scene(), traced.accel().bvh());
-                let beam = PixelBeam::new(scene, bvh, pixel, Channel::Luminance).unwrap();
+                let (scene, accel) = (traced.scene(), traced.accel());
+                let beam = PixelBeam::new(scene, accel, pixel, Channel::Luminance).unwrap();
                 let beam = beam.with_isa(isa);
                 let mut all = Vec::new();
                 let never = AtomicBool::new(false);
@@ -261,7 +261,7 @@ fn beam_and_rays_agree_trial_by_trial() {
 #[test]
 fn an_empty_picture_is_its_background() {
     let traced = labelled(&[], [2, 2], 60.0);
-    let beam = PixelBeam::new(traced.scene(), traced.accel().bvh(), [0, 0], Channel::R).unwrap();
+    let beam = PixelBeam::new(traced.scene(), traced.accel(), [0, 0], Channel::R).unwrap();
     assert_eq!(beam.n_facets(), 0);
     let plan = StudyPlan::paper();
     let result = study(&beam, [0, 0], &plan, Control::unwatched()).unwrap();
@@ -273,8 +273,7 @@ fn an_empty_picture_is_its_background() {
 fn a_cancelled_row_ends() {
     let traced = TracedScene::new(scene::load("classic").unwrap());
     let (pixel, cancel) = ([100, 120], AtomicBool::new(true));
-    let beam =
-        PixelBeam::new(traced.scene(), traced.accel().bvh(), pixel, Channel::Luminance).unwrap();
+    let beam = PixelBeam::new(traced.scene(), traced.accel(), pixel, Channel::Luminance).unwrap();
     assert!(beam.n_facets() > 0);
     let mut means = vec![0.0; 1000];
     for (sampler, n) in [(&Jittered as &dyn Sampler, 1 << 24), (&Random, u32::MAX.into())] {

@@ -86,8 +86,8 @@ fn scores(measured: &TracedScene, known: &TracedScene, side: u32, n_trials: u32)
         let at = |i: u32, size: u32| (2 * i + 1) * size / (2 * side);
         let pixel = [at(i % side, width), at(i / side, height)];
         let beam = |traced: &TracedScene| {
-            let (scene, bvh) = (traced.scene(), traced.accel().bvh());
-            PixelBeam::new(scene, bvh, pixel, Channel::Luminance).unwrap()
+            let (scene, accel) = (traced.scene(), traced.accel());
+            PixelBeam::new(scene, accel, pixel, Channel::Luminance).unwrap()
         };
         let Ok(curve) = grids.curve(&beam(known), TOLERANCE) else {
             scores.unresolved += 1;

@@ -67,7 +67,7 @@ impl Stage {
 }
 
 fn beam(traced: &TracedScene, pixel: [u32; 2]) -> PixelBeam {
-    PixelBeam::new(traced.scene(), traced.accel().bvh(), pixel, Channel::Luminance).unwrap()
+    PixelBeam::new(traced.scene(), traced.accel(), pixel, Channel::Luminance).unwrap()
 }
 
 fn squares(k: u64) -> Vec<u64> {
@@ -261,7 +261,7 @@ fn curves_agree_with_dense_sampling_in_every_scene() {
     let (mut compared, mut scenes) = (0, 0);
     for info in SCENES {
         let traced = TracedScene::new(scene::load(info.name).unwrap());
-        if PixelBeam::new(traced.scene(), traced.accel().bvh(), [0, 0], Channel::R).is_none() {
+        if PixelBeam::new(traced.scene(), traced.accel(), [0, 0], Channel::R).is_none() {
             continue;
         }
         scenes += 1;

@@ -8,7 +8,9 @@ mod two_terms;
 mod weighted;
 
 pub use two_terms::{TwoTerms, two_terms};
-pub use weighted::{LocalSlope, WeightedRow, exponent_of, local_slopes, weighted_fit};
+pub use weighted::{
+    LocalSlope, WeightedRow, both_fits, exponent_of, local_slopes, paper_fit, weighted_fit,
+};
 
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -141,12 +143,22 @@ pub fn power_law(rows: impl IntoIterator<Item = (u64, f64, f64)>) -> Option<Fit>
     let rows: Vec<_> = rows.into_iter().filter(|(_, value, _)| *value > 0.0).collect();
     let counts: Vec<u64> = rows.iter().map(|(n, ..)| *n).collect();
     let points: Vec<_> = rows.iter().map(|(n, value, _)| ((*n as f64).ln(), value.ln())).collect();
-    let line = line(&points, &vec![1.0; points.len()])?;
     let variances = || rows.iter().map(|(.., var_ln)| *var_ln);
-    let std_error = line.std_error(variances());
-    let weights = weights(variances().collect());
+    line_alike(&counts, &points, variances(), &weights(variances().collect()))
+}
+
+/// An unweighted line through (ln N, ln value) with these variances of ln value; the weights
+/// are for its residuals alone.
+fn line_alike(
+    counts: &[u64],
+    points: &[(f64, f64)],
+    variances: impl Iterator<Item = f64>,
+    weights: &[f64],
+) -> Option<Fit> {
+    let line = line(points, &vec![1.0; points.len()])?;
+    let std_error = line.std_error(variances);
     let squares = points.iter().zip(weights).map(|(p, w)| w * line.residual(*p).powi(2));
-    line.fit(&counts, std_error, squares.sum())
+    line.fit(counts, std_error, squares.sum())
 }
 
 #[cfg(test)]

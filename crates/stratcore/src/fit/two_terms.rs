@@ -179,8 +179,7 @@ mod tests {
     fn rows(variance: impl Fn(f64) -> f64, dof: f64) -> Vec<WeightedRow> {
         let noise = Noise::ChiSquare { dof };
         let bias = noise.ln_variance(1.0).exp();
-        let row =
-            |k: u64| WeightedRow { n: k * k, variance: variance((k * k) as f64) / bias, noise };
+        let row = |k: u64| WeightedRow::new(k * k, variance((k * k) as f64) / bias, noise);
         (1..=16).map(row).collect()
     }
 

@@ -4,26 +4,42 @@ use super::{Fit, Line, line};
 use crate::noise::Noise;
 use serde::Serialize;
 
-/// What a weighted fit knows of one row.
+/// What fits know of one row: its logarithms are taken once for all of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WeightedRow {
     /// N
     pub n: u64,
     /// s², above zero.
     pub variance: f64,
-    /// How s² scatters about the true variance.
-    pub noise: Noise,
+    /// Variance of ln s² ([`Noise::var_ln`]).
+    pub var_ln: f64,
+    ln_n: f64,
+    ln_s2: f64,
+    /// ln s² without its bias ([`Noise::ln_variance`]).
+    ln_variance: f64,
 }
 
 impl WeightedRow {
+    /// A row whose s², above zero, scatters about the true variance as `noise` says.
+    pub fn new(n: u64, variance: f64, noise: Noise) -> Self {
+        Self {
+            n,
+            variance,
+            var_ln: noise.var_ln(),
+            ln_n: (n as f64).ln(),
+            ln_s2: variance.ln(),
+            ln_variance: noise.ln_variance(variance),
+        }
+    }
+
     /// (ln N, ln of the variance without the bias of its logarithm).
     pub(super) fn point(&self) -> (f64, f64) {
-        ((self.n as f64).ln(), self.noise.ln_variance(self.variance))
+        (self.ln_n, self.ln_variance)
     }
 }
 
 pub(super) fn weights(rows: &[WeightedRow]) -> Vec<f64> {
-    super::weights(rows.iter().map(|row| row.noise.var_ln()).collect())
+    super::weights(rows.iter().map(|row| row.var_ln).collect())
 }
 
 /// The generalised least-squares line. Fewer than two different N have no slope.
@@ -32,13 +48,36 @@ pub(super) fn weights(rows: &[WeightedRow]) -> Vec<f64> {
 /// each ln s² is removed first. The standard error is that of the slope under the rows' own
 /// variances, not only under those that the weights were made of.
 pub fn weighted_fit(rows: &[WeightedRow]) -> Option<Fit> {
+    weighted_line(rows, &counts(rows), &weights(rows))
+}
+
+/// [`weighted_fit`], and the paper's fit ([`power_law`](super::power_law)) through the same
+/// rows.
+pub fn both_fits(rows: &[WeightedRow]) -> [Option<Fit>; 2] {
+    let (counts, weights) = (counts(rows), weights(rows));
+    [weighted_line(rows, &counts, &weights), paper_line(rows, &counts, &weights)]
+}
+
+/// The paper's fit alone.
+pub fn paper_fit(rows: &[WeightedRow]) -> Option<Fit> {
+    paper_line(rows, &counts(rows), &weights(rows))
+}
+
+fn counts(rows: &[WeightedRow]) -> Vec<u64> {
+    rows.iter().map(|row| row.n).collect()
+}
+
+fn weighted_line(rows: &[WeightedRow], counts: &[u64], weights: &[f64]) -> Option<Fit> {
     let points: Vec<_> = rows.iter().map(WeightedRow::point).collect();
-    let counts: Vec<u64> = rows.iter().map(|row| row.n).collect();
-    let weights = weights(rows);
-    let line = line(&points, &weights)?;
-    let std_error = line.std_error(rows.iter().map(|row| row.noise.var_ln()));
-    let chi2 = chi2(&line, &points, &weights, std_error);
-    line.fit(&counts, std_error, chi2)
+    let line = line(&points, weights)?;
+    let std_error = line.std_error(rows.iter().map(|row| row.var_ln));
+    let chi2 = chi2(&line, &points, weights, std_error);
+    line.fit(counts, std_error, chi2)
+}
+
+fn paper_line(rows: &[WeightedRow], counts: &[u64], weights: &[f64]) -> Option<Fit> {
+    let points: Vec<_> = rows.iter().map(|row| (row.ln_n, row.ln_s2)).collect();
+    super::line_alike(counts, &points, rows.iter().map(|row| row.var_ln), weights)
 }
 
 /// The exponent that the fit of `rows` would give to other variances at the same N: what it
@@ -75,7 +114,7 @@ pub struct LocalSlope {
 pub fn local_slopes(rows: &[WeightedRow]) -> Vec<LocalSlope> {
     let between = |pair: &[WeightedRow]| {
         let [(x0, y0), (x1, y1)] = [pair[0].point(), pair[1].point()];
-        let variance = pair[0].noise.var_ln() + pair[1].noise.var_ln();
+        let variance = pair[0].var_ln + pair[1].var_ln;
         LocalSlope {
             n_lo: pair[0].n,
             n_hi: pair[1].n,
@@ -91,7 +130,7 @@ mod tests {
     use super::*;
 
     fn row(n: u64, variance: f64, noise: Noise) -> WeightedRow {
-        WeightedRow { n, variance, noise }
+        WeightedRow::new(n, variance, noise)
     }
 
     #[test]
@@ -118,7 +157,7 @@ mod tests {
             .collect();
         rows[0] = row(1, 20.0, Noise::ChiSquare { dof: 1.0 });
         let weighted = weighted_fit(&rows).unwrap();
-        rows[0].noise = Noise::ChiSquare { dof: 49.0 };
+        rows[0] = row(1, 20.0, Noise::ChiSquare { dof: 49.0 });
         let alike = weighted_fit(&rows).unwrap();
         assert!((weighted.exponent - 1.0).abs() < 0.5 * (alike.exponent - 1.0), "{weighted:?}");
     }

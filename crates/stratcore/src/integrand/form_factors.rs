@@ -127,7 +127,6 @@ impl Integrand for Disks {
 #[cfg(test)]
 mod tests {
     use super::super::test_support::build;
-    use super::*;
     use crate::integrand::gauss_legendre;
 
     /// Against Gauss' rule in four dimensions, whose error at 24 nodes is below 1e-9.

@@ -67,14 +67,14 @@ impl TileLog {
             let found = read_header(&mut reader).map_err(fail)?;
             let differences = header.plan.differences(&found.plan);
             if !differences.is_empty() {
-                return Err(fail(RecordFault::ForeignPlan(differences)));
+                return Err(fail(RecordFault::UnfinishedOther(differences)));
             }
             if found.shard != header.shard {
                 let (found, wanted) = (found.shard, header.shard);
                 return Err(fail(RecordFault::ForeignShard { found, wanted }));
             }
             let scan = scan(&mut reader, &header.plan).map_err(read)?;
-            if !resume {
+            if !resume && !scan.frames.is_empty() {
                 let finished = scan.frames.len();
                 return Err(fail(RecordFault::Unfinished { finished, total }));
             }

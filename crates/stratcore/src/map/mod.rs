@@ -34,7 +34,8 @@ pub use summary::{ClassShare, Comparison, Gain, SamplerSummary, Summary, Tally};
 
 use crate::error::StudyError;
 use crate::exact;
-use crate::study::{Control, ExactStudy, Reading, collect, study};
+use crate::integrand::Integrand as _;
+use crate::study::{Control, ExactStudy, Reading, collect, measure};
 use crate::trace::TracedScene;
 use crate::variance::Moments;
 
@@ -42,6 +43,8 @@ use crate::variance::Moments;
 pub struct MapStudy<'a> {
     scene: &'a TracedScene,
     plan: &'a MapPlan,
+    /// Of each sampler; all pixels have the same dimensions.
+    counts_used: Vec<Vec<u64>>,
     /// Where variances are to be computed without trials.
     exact: Option<ExactStudy<'a>>,
 }
@@ -53,14 +56,16 @@ impl<'a> MapStudy<'a> {
     /// What [`StudyPlan::counts_used`](crate::StudyPlan::counts_used) refuses.
     pub fn new(scene: &'a TracedScene, plan: &'a MapPlan) -> Result<Self, StudyError> {
         let exact = plan.exact.then(|| ExactStudy::new(&plan.study, exact::TOLERANCE));
-        Ok(Self { scene, plan, exact: exact.transpose()? })
+        let dim = scene.pixel([plan.region.x0, plan.region.y0], plan.channel).dim();
+        let counts_used = plan.study.counts_used(dim)?;
+        Ok(Self { scene, plan, counts_used, exact: exact.transpose()? })
     }
 
     /// The moments of one pixel's trial means, one per sampler and count, samplers first. All are NaN
     /// where some trial's mean is not finite: one such pixel should not cost the others.
     ///
     /// # Errors
-    /// As [`study`], but for `NonFinite`.
+    /// As [`study`](crate::study::study()), but for `NonFinite`.
     pub fn pixel(&self, pixel: [u32; 2], control: Control<'_>) -> Result<Vec<Moments>, StudyError> {
         let plan = &self.plan.study;
         let missing = Moments {
@@ -70,17 +75,15 @@ impl<'a> MapStudy<'a> {
             ..Moments::default()
         };
         let integrand = self.scene.pixel(pixel, self.plan.channel);
-        let studied = match &self.exact {
-            Some(exact) => exact.pixel(&integrand, pixel, control),
-            None => study(&integrand, pixel, plan, control),
+        let measured = match &self.exact {
+            Some(exact) => exact.measure(&integrand, pixel, control),
+            None => measure(&integrand, pixel, plan, &self.counts_used, control),
         };
-        match studied {
-            Ok(result) if result.complete => Ok(result.moments()),
-            Ok(_) => Err(StudyError::Cancelled),
+        match measured {
             Err(StudyError::NonFinite { .. }) => {
                 Ok(vec![missing; plan.samplers.len() * plan.counts.len()])
             }
-            Err(error) => Err(error),
+            other => other,
         }
     }
 

@@ -40,9 +40,15 @@ pub enum RecordFault {
     /// Not of this format.
     #[error("holds no tiles of a map; give files that `map` wrote, with the ending .tiles")]
     NotTiles,
-    /// Of a plan other than the one wanted.
+    /// Of a plan other than that of the files before it.
     #[error("is of another plan: {0}; run both with the same scene and options")]
     ForeignPlan(String),
+    /// An unfinished run of another plan.
+    #[error(
+        "an unfinished run of another plan is kept here: {0}; go on with that plan by --resume, \
+         name another output, or delete the file"
+    )]
+    UnfinishedOther(String),
     /// Of another shard.
     #[error("holds shard {found}, not {wanted}; name one output for each shard")]
     ForeignShard {

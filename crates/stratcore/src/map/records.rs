@@ -155,29 +155,26 @@ pub(super) fn read_frame(
     let n_rows = tiling.tile(tile).n_pixels() as usize * plan.rows_per_pixel();
     // Memory follows what the file holds, not what its plan promises.
     let len = ROW_BYTES * n_rows + 16;
-    let mut bytes = Vec::new();
+    let mut bytes = Vec::with_capacity(len.min(1 << 20));
     if file.take(len as u64).read_to_end(&mut bytes)? < len {
         return Ok(None);
     }
     let (payload, hash) = bytes.split_at(ROW_BYTES * n_rows);
     let mut digest = Digest::new();
     digest.word(index);
-    let (words, _) = payload.as_chunks::<8>();
-    let words = words.iter().map(|bytes| {
-        let word = u64::from_le_bytes(*bytes);
-        digest.word(word);
-        word
-    });
-    let words: Vec<u64> = words.collect();
-    if hash != digest.finish().to_le_bytes() {
-        return Ok(None);
-    }
-    let (rows, _) = words.as_chunks::<NUMBERS>();
-    let moments = |&[count, rest @ ..]: &[u64; NUMBERS]| {
+    let (rows, _) = payload.as_chunks::<ROW_BYTES>();
+    let moments = rows.iter().map(|row| {
+        let (words, _) = row.as_chunks::<8>();
+        let [count, rest @ ..]: [u64; NUMBERS] = std::array::from_fn(|i| {
+            let word = u64::from_le_bytes(words[i]);
+            digest.word(word);
+            word
+        });
         let [mean, variance, skewness, kurtosis] = rest.map(f64::from_bits);
         Moments { count, mean, variance, skewness, kurtosis }
-    };
-    Ok(Some((tile, rows.iter().map(moments).collect())))
+    });
+    let moments = moments.collect();
+    Ok((hash == digest.finish().to_le_bytes()).then_some((tile, moments)))
 }
 
 /// Fills `bytes`; false where the file ends before.

@@ -3,10 +3,11 @@
 use super::cost::Shard;
 use super::plan::Identity;
 use super::record_error::{RecordError, RecordFault};
-use super::records::{read_frame, read_header, scan};
+use super::records::{Header, Scan, read_frame, read_header, scan};
 use crate::input;
+use crate::study::collect;
 use crate::variance::Moments;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::io::{self, BufReader, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
@@ -18,7 +19,7 @@ type Place = (u32, u64);
 pub struct TileSet {
     plan: Identity,
     pub(super) files: Vec<PathBuf>,
-    /// Of the tiles that are there.
+    /// Of the tiles that are there: a header alone, however large its picture, takes no room.
     pub(super) places: BTreeMap<usize, Place>,
 }
 
@@ -29,19 +30,27 @@ impl TileSet {
     /// [`RecordError`] names the file that is of another plan, damaged, or doubles another; or
     /// the tiles and shards that are missing.
     pub fn merge(paths: &[PathBuf]) -> Result<Self, RecordError> {
+        let scan_file = |path: &PathBuf| -> Result<(Header, Scan), RecordError> {
+            let fail = |fault: RecordFault| fault.of(path);
+            let file = input::open(path).map_err(|e| fail(RecordFault::Read(e)))?;
+            let mut file = BufReader::new(file);
+            let header = read_header(&mut file).map_err(fail)?;
+            let scan = scan(&mut file, &header.plan).map_err(|e| fail(RecordFault::Read(e)))?;
+            Ok((header, scan))
+        };
         let mut set: Option<Self> = None;
         let mut shards: Vec<Shard> = Vec::new();
-        for path in paths {
+        // Every byte is read and hashed here, several files at a time.
+        let scanned = collect(paths.iter().collect(), |path| Ok((path, scan_file(path))));
+        let Ok(scanned): Result<_, std::convert::Infallible> = scanned;
+        for (path, found) in scanned {
             let fail = |fault: RecordFault| fault.of(path);
-            let mut file =
-                BufReader::new(input::open(path).map_err(|e| RecordFault::Read(e).of(path))?);
-            let header = read_header(&mut file).map_err(fail)?;
+            let (header, scan) = found?;
             let set = set.get_or_insert_with(|| Self::empty(header.plan.clone()));
             let differences = set.plan.differences(&header.plan);
             if !differences.is_empty() {
                 return Err(fail(RecordFault::ForeignPlan(differences)));
             }
-            let scan = scan(&mut file, &set.plan).map_err(|e| fail(RecordFault::Read(e)))?;
             if scan.rest > 0 {
                 let (finished, shard) = (scan.frames.len(), header.shard);
                 return Err(fail(RecordFault::Damaged { finished, shard }));
@@ -68,11 +77,17 @@ impl TileSet {
 
     fn check_complete(&self, shards: &[Shard]) -> Result<(), RecordError> {
         let total = self.plan.tiling().n_tiles();
-        let Some(tile) = (0..total).find(|tile| !self.contains(*tile)) else { return Ok(()) };
+        let missing = total - self.places.len();
+        if missing == 0 {
+            return Ok(());
+        }
+        // Keys run 0, 1, … up to the first that is missing.
+        let tile = self.places.keys().zip(0..).take_while(|(tile, i)| *tile == i).count();
         let of = shards.iter().map(|shard| shard.of).max().unwrap_or(1);
+        let given: HashSet<&Shard> = shards.iter().collect();
         let absent: Vec<_> = (1..=of)
             .map(|index| Shard { index, of })
-            .filter(|shard| !shards.contains(shard))
+            .filter(|shard| !given.contains(shard))
             .map(|shard| shard.to_string())
             .collect();
         let absent = match absent.as_slice() {
@@ -82,7 +97,6 @@ impl TileSet {
             }
             few => format!("add the files of shards {}", few.join(", ")),
         };
-        let missing = total - self.places.len();
         let fault = RecordFault::Gap { missing, total, tile, absent };
         Err(fault.of(self.files.first().map_or(Path::new("merge"), PathBuf::as_path)))
     }

@@ -42,6 +42,26 @@ impl Distribution {
         2 + lens + 2 * self.lights.len() + time + 2 * self.bounces as usize
     }
 
+    /// Irradiance over π at a point from one point of each area light, chosen by two of the
+    /// `coordinates` each. `cosine` gets a light's number and the way to it, and gives the
+    /// surface's cosine, 0 where the light does not reach.
+    #[inline(always)]
+    pub(crate) fn irradiance(
+        &self,
+        point: DVec3,
+        coordinates: &[f64],
+        mut cosine: impl FnMut(usize, DVec3) -> f64,
+    ) -> Rgb {
+        let mut sum = [0.0; 3];
+        let choices = self.lights.iter().zip(coordinates.chunks_exact(2));
+        for (number, (light, at)) in choices.enumerate() {
+            let Some(sample) = light.sample(point, at[0], at[1]) else { continue };
+            let gain = sample.weight * cosine(number, sample.to_light);
+            sum = std::array::from_fn(|i| sum[i] + gain * light.radiance[i]);
+        }
+        sum
+    }
+
     /// Names of the axes of a pixel's integral, in the order of a point's coordinates. Time is
     /// the last, so that what takes two coordinates has two that samplers pad together.
     pub fn axes(&self) -> Vec<String> {

@@ -241,7 +241,7 @@ fn checked_mtl(open: Open<'_>, path: &Path, notes: &mut Vec<String>) -> Result<S
         return Ok(String::new());
     }
     let mut lines = Lines::new(found, path)?;
-    let mut checked = String::new();
+    let (mut checked, mut textures) = (String::new(), 0);
     while let Some((number, line)) = lines.next_line()? {
         let at_line = |fault| SceneError::Line { path: shown(path), line: number, fault };
         match keyword(&line) {
@@ -264,8 +264,12 @@ fn checked_mtl(open: Open<'_>, path: &Path, notes: &mut Vec<String>) -> Result<S
                 })?;
                 checked += &format!("illum {model}\n");
             }
-            _ => {}
+            (key, _) => textures += usize::from(key.starts_with("map_")),
         }
+    }
+    if textures > 0 {
+        let path = path.display();
+        notes.push(format!("{path}: {textures} textures are not read; colours are those of Kd"));
     }
     Ok(checked)
 }

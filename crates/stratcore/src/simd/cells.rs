@@ -25,7 +25,7 @@ impl Cells {
         let fills = vec![Fill::NOTHING; (per_axis * per_axis) as usize];
         let mut cells = Self { per_axis, fills, entries: Vec::new(), occluders: Vec::new() };
         let mut work = Work::default();
-        dissect::start(pixel, &strata, &mut work);
+        dissect::start(pixel, &strata, usize::MAX, &mut work);
         while next_pieces(&strata, &mut work) {
             for piece in &work.pieces {
                 let fill = match piece.fill {

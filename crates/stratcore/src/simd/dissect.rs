@@ -35,8 +35,10 @@ impl Fill {
     }
 }
 
-/// Begins to cut the pixel into rectangles of strata; [`next_pieces`] shows them.
-pub(super) fn start(pixel: &Pixel32, strata: &Strata, work: &mut Work) {
+/// Begins to cut the pixel into rectangles of strata; [`next_pieces`] shows them. Tiles of
+/// `crowd` facets or more are not cut any further.
+pub(super) fn start(pixel: &Pixel32, strata: &Strata, crowd: usize, work: &mut Work) {
+    work.crowd = crowd;
     let Work { entries, occluders, stack, tile, .. } = work;
     entries.clear();
     occluders.clear();
@@ -57,6 +59,7 @@ pub(super) fn start(pixel: &Pixel32, strata: &Strata, work: &mut Work) {
 }
 
 /// Overwrites `work.pieces` with the next rectangles and their contents; false after the last.
+/// There are none, but a tile in `work.crowded`, where that tile was not cut.
 ///
 /// Rectangles are halved, and the list of facets filtered for each half, until one facet covers
 /// the rectangle or it is small enough to be drawn into.
@@ -96,7 +99,12 @@ pub(super) fn next_pieces<V: Vector>(pixel: &Pixel32, strata: &Strata, work: &mu
         }
         if is_tile {
             let list = [first, entries.len()];
-            work.tile = Some(Tile::new::<V>(pixel, strata, &rect, list, work));
+            let tile = Tile::new::<V>(pixel, strata, &rect, list, work);
+            if list[1] - list[0] >= work.crowd {
+                work.crowded = Some(tile);
+                return true;
+            }
+            work.tile = Some(tile);
         } else {
             let entries = [first as u32, entries.len() as u32];
             let n_occluders = occluders.len() as u32;
@@ -127,7 +135,7 @@ fn filter<V: Vector>(
         let mut entry = entries[at as usize];
         let facet = &pixel.facets[entry.facet as usize];
         let range = V::range(&facet.lanes, &extent);
-        entry.w_hi = range.last[1] + facet.w_slack;
+        entry.w_hi = (range.last[1] + facet.w_slack).min(facet.w_hi);
         if range.below & EDGES != 0 || entry.w_hi < horizon {
             continue;
         }

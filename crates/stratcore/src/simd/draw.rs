@@ -20,19 +20,21 @@ pub(super) struct Group<V: Vector> {
     z: V::Int,
     yz: V::Int,
     pub(super) sum: V::Sum,
+    /// Lanes that have a trial.
+    pub(super) n_trials: usize,
 }
 
 impl<V: Vector> Group<V> {
-    /// Of the trials from `first` on. Lanes beyond the last draw like the others; nobody reads
-    /// their sums.
+    /// Of so many trials from `first` on. Lanes beyond the last draw like the others; nobody
+    /// reads their sums.
     #[inline(always)]
-    pub(super) fn new(key: &StreamKey, first: u32) -> Self {
+    fn new(key: &StreamKey, first: u32, n_trials: usize) -> Self {
         let mut words = key.words_of_trials::<MAX_LANES>(first);
         for word in words.iter_mut().flatten() {
             *word = first_step(*word);
         }
         let (y, z) = (V::int_load(&words[0]), V::int_load(&words[1]));
-        Self { y, z, yz: V::int_mul(y, z), sum: V::sum_zero() }
+        Self { y, z, yz: V::int_mul(y, z), sum: V::sum_zero(), n_trials }
     }
 
     /// As many as it takes for `n_trials`.
@@ -40,7 +42,8 @@ impl<V: Vector> Group<V> {
     pub(super) fn all(trials: &Trials<'_>, n_trials: usize) -> Vec<Self> {
         let mut groups = Vec::with_capacity(n_trials.div_ceil(V::LANES));
         for at in (0..n_trials).step_by(V::LANES) {
-            groups.push(Self::new(trials.key, trials.first.wrapping_add(at as u32)));
+            let n = V::LANES.min(n_trials - at);
+            groups.push(Self::new(trials.key, trials.first.wrapping_add(at as u32), n));
         }
         groups
     }

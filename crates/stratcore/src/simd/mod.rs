@@ -7,12 +7,13 @@
 //! code by hand for it.
 //!
 //! `draw` makes the points of many trials at once. `dissect` cuts the pixel into rectangles and
-//! tiles, `raster` draws facets into a tile, `visible` finds the nearest of several, `shader`
+//! tiles, `raster` draws facets into a tile, `crowd` samples a tile of many, `visible` finds the nearest of several, `shader`
 //! its radiance. `strata` and `scatter` sum over samples with strata and without.
 
 #![expect(unsafe_code, reason = "calling a function compiled for a CPU feature is unsafe")]
 
 mod cells;
+mod crowd;
 mod dissect;
 mod draw;
 mod fill;
@@ -123,8 +124,8 @@ macro_rules! compiled_for {
                 exact: Exact<'_>,
             ) {
                 let mut groups = Group::<V>::all(trials, sums.len());
-                let (next, cancel) =
-                    (|work: &mut Work| next_pieces(pixel, grid, work), trials.cancel);
+                let cancel = trials.cancel;
+                let next = |work: &mut Work| next_pieces(pixel, grid, work);
                 shaded!(
                     V,
                     strata::strata_sums(pixel, grid, &mut groups, work, next, exact, cancel)

@@ -9,6 +9,7 @@ use super::shader::affine;
 use super::types::{Record, Shade, Work};
 use super::vector::{CULL_SLACK, MAX_LANES, Vector};
 use super::{Entry, Lanes4, Pixel32, Rect, Strata};
+use std::ops::Range;
 
 /// Strata of a tile along each axis, at most.
 pub(super) const SIDE: u32 = 16;
@@ -54,10 +55,22 @@ impl Spans {
 pub(super) struct Probe {
     spans: Spans,
     /// Its place in the tile's list.
-    entry: u32,
+    pub entry: u32,
     /// As [`super::Facet32`] has them.
-    w_hi: f32,
+    pub w_hi: f32,
     rows: [f32; 2],
+}
+
+/// Where a facet meets a vector of strata.
+pub(super) struct Met<V: Vector> {
+    /// Greatest values of the edges and of 1/t in each stratum.
+    edges: [V; 3],
+    w_high: V,
+    /// No nearer than this in each stratum.
+    pub w_hi: V,
+    touches: V::Mask,
+    /// Bit l: it may be seen in stratum l.
+    pub strata: u32,
 }
 
 /// Strata in rows, one after the other.
@@ -125,6 +138,21 @@ impl Tile {
         }
     }
 
+    pub(super) fn n_strata(&self) -> usize {
+        self.n_strata
+    }
+
+    /// Its facets, a run of the work's entries.
+    pub(super) fn list(&self) -> Range<usize> {
+        self.list[0]..self.list[1]
+    }
+
+    /// Column and row of a stratum of the tile.
+    pub(super) fn stratum(&self, at: usize) -> [u32; 2] {
+        let at = at as u32;
+        [self.rect.i[0] + at % self.width, self.rect.j[0] + at / self.width]
+    }
+
     /// Overwrites the work's pieces with the next strata, [`MAX_LANES`] of them under every
     /// instruction set so that all cut alike; false after the last.
     #[inline(always)]
@@ -153,7 +181,7 @@ impl Tile {
         occluders.truncate(self.n_occluders);
         let mut lens = [0; MAX_LANES];
         let mut covered = 0u32;
-        let facets = &entries[self.list[0]..self.list[1]];
+        let facets = &entries[self.list()];
         for (at, record) in (0..).zip(&records[..]) {
             covered |= record.covers;
             let facet = facets[record.entry as usize];
@@ -191,8 +219,7 @@ impl Tile {
                 _ => None,
             };
             let fill = fill.unwrap_or(Fill::Mixed { first: run.start as u32, end: run.end as u32 });
-            let at = (first + l) as u32;
-            let (i, j) = (self.rect.i[0] + at % self.width, self.rect.j[0] + at / self.width);
+            let [i, j] = self.stratum(first + l);
             match pieces.last_mut() {
                 // A run of equal strata in a row is one piece.
                 Some(last) if last.fill == fill && last.j[0] == j => last.i[1] = i + 1,
@@ -200,6 +227,32 @@ impl Tile {
             }
         }
         true
+    }
+
+    /// Which of the `n` strata from `first` on a facet may be seen in, before `horizon`; none:
+    /// in none.
+    #[inline(always)]
+    pub(super) fn meet<V: Vector>(
+        &self,
+        probe: &Probe,
+        first: usize,
+        n: usize,
+        horizon: V,
+    ) -> Option<Met<V>> {
+        let rows = [self.t[first] - self.half[1], self.t[first + n - 1] + self.half[1]];
+        if probe.rows[1] < rows[0] || probe.rows[0] > rows[1] {
+            return None;
+        }
+        let (s, t) = (V::load(&self.s[first..]), V::load(&self.t[first..]));
+        let spans = &probe.spans;
+        let edges = [spans.high(0, s, t), spans.high(1, s, t), spans.high(2, s, t)];
+        let w_high = spans.high(3, s, t);
+        let w_hi = w_high.min(V::splat(probe.w_hi));
+        let least = edges[0].min(edges[1]).min(edges[2]);
+        let touches = V::mask_and(least.ge(V::splat(0.0)), w_hi.ge(horizon));
+        let real = V::mask_bits(V::mask_all()) >> (V::LANES - n);
+        let strata = V::mask_bits(touches) & real;
+        (strata != 0).then_some(Met { edges, w_high, w_hi, touches, strata })
     }
 
     /// Appends the facets that may be seen in some of the `n` strata `first + lane ..`.
@@ -213,8 +266,6 @@ impl Tile {
         records: &mut Vec<Record>,
     ) {
         let first = first + lane;
-        let (s, t) = (V::load(&self.s[first..]), V::load(&self.t[first..]));
-        let rows = [self.t[first] - self.half[1], self.t[first + n - 1] + self.half[1]];
         let zero = V::splat(0.0);
         let all = V::mask_bits(V::mask_all());
         let real = all >> (V::LANES - n);
@@ -222,34 +273,24 @@ impl Tile {
         // 1/t behind which each stratum is covered.
         let mut horizon = zero;
         for probe in probes {
-            if probe.rows[1] < rows[0] || probe.rows[0] > rows[1] {
-                continue;
-            }
             if V::mask_bits(horizon.gt(V::splat(probe.w_hi))) == all {
                 break;
             }
-            let spans = &probe.spans;
-            let edges = [spans.high(0, s, t), spans.high(1, s, t), spans.high(2, s, t)];
-            let w_hi = spans.high(3, s, t);
-            let least = edges[0].min(edges[1]).min(edges[2]);
-            let touches = V::mask_and(least.ge(zero), w_hi.ge(horizon));
-            let strata = V::mask_bits(touches) & real;
-            if strata == 0 {
-                continue;
-            }
+            let Some(met) = self.meet(probe, first, n, horizon) else { continue };
+            let (spans, edges) = (&probe.spans, met.edges);
             let edges = [spans.low(0, edges[0]), spans.low(1, edges[1]), spans.low(2, edges[2])];
             let least = edges[0].min(edges[1]).min(edges[2]);
-            let covers = V::mask_and(touches, least.gt(zero));
-            let w_lo = spans.low(3, w_hi);
+            let covers = V::mask_and(met.touches, least.gt(zero));
+            let w_lo = spans.low(3, met.w_high);
             let nearer = V::mask_and(covers, w_lo.gt(horizon));
             horizon = V::select(nearer, w_lo, horizon);
             let covers = (V::mask_bits(covers) & real) << lane;
-            let strata = strata << lane;
+            let strata = met.strata << lane;
             records.push(Record {
                 entry: probe.entry,
                 strata,
                 covers,
-                w_hi: w_hi.store(),
+                w_hi: met.w_hi.store(),
                 ..Record::default()
             });
         }
@@ -258,10 +299,11 @@ impl Tile {
             record.strata &= V::mask_bits(V::load(&record.w_hi).ge(horizon)) << lane;
         }
     }
+
     /// Says of a facet's record in which strata an occluder shadows it, and appends those that
     /// may do so in a part of some.
     #[inline(always)]
-    fn shadows<V: Vector>(
+    pub(super) fn shadows<V: Vector>(
         &self,
         pixel: &Pixel32,
         first: usize,

@@ -3,6 +3,7 @@
 //! A lane is a trial: the same stratum of neighbouring trials meets the same few facets, so one
 //! short list serves all lanes.
 
+use super::crowd::{self, CROWD};
 use super::dissect::{self, Fill, Piece};
 use super::draw::Group;
 use super::shader::{Shader, affine};
@@ -27,8 +28,12 @@ pub(super) fn strata_sums<S: Shader, V: Vector>(
     exact: Exact<'_>,
     cancel: &AtomicBool,
 ) {
-    dissect::start(pixel, strata, work);
+    dissect::start(pixel, strata, CROWD, work);
+    let mut samples = Vec::new();
     while next_pieces(work) && !cancel.load(Ordering::Relaxed) {
+        if let Some(tile) = work.crowded.take() {
+            crowd::tile_sums::<S, V>(pixel, strata, &tile, groups, &mut samples, work, exact);
+        }
         for piece in &work.pieces {
             match piece.fill {
                 Fill::Uniform { facet, lit } => {

@@ -192,6 +192,9 @@ pub(crate) struct Work {
     pub(super) records: Vec<Record>,
     pub(super) shades: Vec<Shade>,
     pub(super) tile: Option<Tile>,
+    /// Facets from which on a tile is crowded, and such a tile.
+    pub(super) crowd: usize,
+    pub(super) crowded: Option<Tile>,
     /// The lists of the pieces' strata; their occluders are in `occluders`.
     pub(super) list: Vec<Entry>,
     pub(super) pieces: Vec<Piece>,

@@ -30,6 +30,8 @@ pub(super) trait Vector: Copy {
     fn ge(self, other: Self) -> Self::Mask;
     fn gt(self, other: Self) -> Self::Mask;
     fn le(self, other: Self) -> Self::Mask;
+    /// The least lane.
+    fn least(self) -> f32;
     /// `yes` where the mask is set.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     /// Reads LANES values.
@@ -165,6 +167,10 @@ impl Vector for Plain {
     #[inline(always)]
     fn le(self, other: Self) -> Self::Mask {
         each(self.0, other.0, |a, b| a <= b)
+    }
+    #[inline(always)]
+    fn least(self) -> f32 {
+        self.0.into_iter().fold(f32::INFINITY, |least, x| if x < least { x } else { least })
     }
     #[inline(always)]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {

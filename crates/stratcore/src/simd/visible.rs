@@ -3,12 +3,118 @@
 use super::shader::{Shader, affine};
 use super::types::Exact;
 use super::vector::{MAX_LANES, Vector};
-use super::{Entry, Lanes4, Pixel32};
+use super::{Entry, Facet32, Lanes4, Pixel32};
 
 /// A sample's inside test or depth comparison closer than this, in f32 units of functions whose
 /// largest coefficient is 1, is settled again in f64. Rounding of three coefficients and two
 /// fused steps is below 2.4e-7.
 pub(super) const DOUBT: f32 = 4e-7;
+
+/// A facet that may be seen where the samples are.
+pub(super) struct Candidate<'a> {
+    pub facet: &'a Facet32,
+    /// No nearer than this there.
+    pub w_hi: f32,
+    /// Wholly in shadow there.
+    pub shadowed: bool,
+}
+
+/// A vector of samples, and the nearest facets that they have met.
+#[derive(Clone, Copy)]
+pub(super) struct Sample<V: Vector> {
+    s: V,
+    t: V,
+    value: V,
+    /// 1/t, 0 for the background, and its rounding.
+    pub nearest: V,
+    nearest_slack: V,
+    /// Bit l: lane l is to be settled in f64.
+    doubt: u32,
+}
+
+impl<V: Vector> Sample<V> {
+    /// Samples that see the background.
+    #[inline(always)]
+    pub fn new(pixel: &Pixel32, [s, t]: [V; 2]) -> Self {
+        let zero = V::splat(0.0);
+        let value = V::splat(pixel.ground.background.shade[0]);
+        Self { s, t, value, nearest: zero, nearest_slack: zero, doubt: 0 }
+    }
+
+    /// Meets the next facet, of which `occluders` may shadow a part, and tells whether some lane
+    /// sees it. What a lane does depends on its own sample alone.
+    #[inline(always)]
+    pub fn meet<S: Shader>(
+        &mut self,
+        pixel: &Pixel32,
+        candidate: &Candidate<'_>,
+        occluders: impl Iterator<Item = u32>,
+    ) -> bool {
+        let Self { s, t, .. } = *self;
+        let facet = candidate.facet;
+        let (zero, limit) = (V::splat(0.0), V::splat(DOUBT));
+        let margin = least_of_three(&facet.lanes, s, t);
+        let near = margin.ge(V::splat(-DOUBT));
+        if V::mask_bits(near) == 0 {
+            return false;
+        }
+        // What is hidden raises no doubt, whoever shares its vector.
+        let open = V::splat(candidate.w_hi).gt(self.horizon());
+        let near = V::mask_and(near, open);
+        let mut doubt = V::mask_and(near, margin.le(limit));
+        let inside = V::mask_and(near, margin.ge(zero));
+        let w = affine(&facet.lanes, 3, s, t);
+        let gap = w.sub(self.nearest);
+        let slack = V::splat(facet.w_slack);
+        let wins = V::mask_and(inside, gap.gt(zero));
+        let tied = V::mask_and(inside, gap.abs().le(slack.add(self.nearest_slack)));
+        doubt = V::mask_or(doubt, tied);
+        if V::mask_bits(inside) != 0 {
+            let mut lit = V::mask_all();
+            if S::SHADOWS {
+                if candidate.shadowed {
+                    lit = V::mask_none();
+                }
+                for id in occluders {
+                    let occluder = &pixel.occluders[id as usize];
+                    let margin = least_of_three(occluder, s, t).min(affine(occluder, 3, s, t));
+                    lit = V::mask_without(lit, margin.ge(zero));
+                    let edge = V::mask_and(inside, margin.abs().le(limit));
+                    doubt = V::mask_or(doubt, edge);
+                }
+            }
+            let shade = S::shade(&pixel.ground, facet, s, t, w, lit);
+            self.value = V::select(wins, shade, self.value);
+            self.nearest = V::select(wins, w, self.nearest);
+            self.nearest_slack = V::select(wins, slack, self.nearest_slack);
+        }
+        self.doubt |= V::mask_bits(doubt);
+        V::mask_bits(wins) != 0
+    }
+
+    /// Behind this a lane sees nothing.
+    #[inline(always)]
+    fn horizon(&self) -> V {
+        self.nearest.sub(self.nearest_slack)
+    }
+
+    /// Behind this no lane sees anything.
+    #[inline(always)]
+    pub fn floor(&self) -> f32 {
+        self.horizon().least()
+    }
+
+    /// The values, doubtful ones by f64; the list is complete where the samples are.
+    #[inline(always)]
+    pub fn settled(&self, list: &[Entry], exact: Exact<'_>) -> V {
+        if self.doubt == 0 {
+            return self.value;
+        }
+        let mut values = self.value.store();
+        settle(self.doubt, list, &mut values, &self.s.store(), &self.t.store(), exact);
+        V::load(&values)
+    }
+}
 
 /// Values of samples that lie anywhere where `list` is complete.
 #[inline(always)]
@@ -20,59 +126,24 @@ pub(super) fn visible<S: Shader, V: Vector>(
     t: V,
     exact: Exact<'_>,
 ) -> V {
-    let zero = V::splat(0.0);
-    let limit = V::splat(DOUBT);
-    let mut value = V::splat(pixel.ground.background.shade[0]);
-    let mut nearest = zero;
-    let mut nearest_slack = zero;
-    let mut doubt = V::mask_none();
+    let mut sample = Sample::new(pixel, [s, t]);
     for entry in list {
-        let hidden = nearest.sub(nearest_slack).ge(V::splat(entry.w_hi));
-        if V::mask_bits(hidden) == V::mask_bits(V::mask_all()) {
+        // No later entry is nearer.
+        if V::mask_bits(V::splat(entry.w_hi).gt(sample.horizon())) == 0 {
             break;
         }
         let facet = &pixel.facets[entry.facet as usize];
-        let margin = least_of_three(&facet.lanes, s, t);
-        // What is hidden raises no doubt: whether a lane is settled again is its own sample's
-        // matter, not that of the lanes beside it, which differ with the instruction set.
-        let inside = V::mask_without(margin.ge(zero), hidden);
-        doubt = V::mask_or(doubt, V::mask_without(margin.abs().le(limit), hidden));
-        if V::mask_bits(inside) == 0 {
-            continue;
-        }
-        let w = affine(&facet.lanes, 3, s, t);
-        let mut lit = V::mask_all();
-        if S::SHADOWS {
-            if entry.shadowed {
-                lit = V::mask_none();
-            }
-            for &id in &occluders[entry.occluders[0] as usize..entry.occluders[1] as usize] {
-                let occluder = &pixel.occluders[id as usize];
-                let margin = least_of_three(occluder, s, t).min(affine(occluder, 3, s, t));
-                lit = V::mask_without(lit, margin.ge(zero));
-                doubt = V::mask_or(doubt, V::mask_and(inside, margin.abs().le(limit)));
-            }
-        }
-        let shade = S::shade(&pixel.ground, facet, s, t, w, lit);
-        let gap = w.sub(nearest);
-        let slack = V::splat(facet.w_slack);
-        let tied = V::mask_and(inside, gap.abs().le(slack.add(nearest_slack)));
-        let wins = V::mask_and(inside, gap.gt(zero));
-        doubt = V::mask_or(doubt, tied);
-        value = V::select(wins, shade, value);
-        nearest = V::select(wins, w, nearest);
-        nearest_slack = V::select(wins, slack, nearest_slack);
+        let candidate = Candidate { facet, w_hi: entry.w_hi, shadowed: entry.shadowed };
+        let ids = &occluders[entry.occluders[0] as usize..entry.occluders[1] as usize];
+        sample.meet::<S>(pixel, &candidate, ids.iter().copied());
     }
-    if V::mask_bits(doubt) != 0 {
-        value = settle(V::mask_bits(doubt), list, value, s, t, exact);
-    }
-    value
+    sample.settled(list, exact)
 }
 
 /// Puts the f64 answer in place of each doubtful lane's.
 #[cold]
 #[inline(never)]
-fn settle_values(
+fn settle(
     mut lanes: u32,
     list: &[Entry],
     values: &mut [f32; MAX_LANES],
@@ -85,13 +156,6 @@ fn settle_values(
         values[l] = exact(list, f64::from(s[l]), f64::from(t[l])) as f32;
         lanes &= lanes - 1;
     }
-}
-
-#[inline(always)]
-fn settle<V: Vector>(lanes: u32, list: &[Entry], value: V, s: V, t: V, exact: Exact<'_>) -> V {
-    let mut values = value.store();
-    settle_values(lanes, list, &mut values, &s.store(), &t.store(), exact);
-    V::load(&values)
 }
 
 #[inline(always)]

@@ -84,6 +84,14 @@ impl Vector for Avx2 {
         intrinsic!(_mm256_cmp_ps::<_CMP_LE_OQ>(self.0, other.0))
     }
     #[inline(always)]
+    fn least(self) -> f32 {
+        intrinsic!({
+            let x = _mm_min_ps(_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0));
+            let x = _mm_min_ps(x, _mm_movehl_ps(x, x));
+            _mm_cvtss_f32(_mm_min_ss(x, _mm_shuffle_ps::<1>(x, x)))
+        })
+    }
+    #[inline(always)]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
         intrinsic!(Self(_mm256_blendv_ps(no.0, yes.0, mask)))
     }
@@ -231,6 +239,10 @@ impl Vector for Avx512 {
     #[inline(always)]
     fn le(self, other: Self) -> Self::Mask {
         intrinsic!(_mm512_cmp_ps_mask::<_CMP_LE_OQ>(self.0, other.0))
+    }
+    #[inline(always)]
+    fn least(self) -> f32 {
+        intrinsic!(_mm512_reduce_min_ps(self.0))
     }
     #[inline(always)]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {

@@ -1,8 +1,10 @@
 //! Scenes that are very small, very large, very far from the origin, or seen very narrowly,
 //! very widely and in very many pixels.
 
-use super::studio::{all_pixels, ball_and_floor, both, differing_bits, farthest, means, placed};
-use super::studio::{scene, triangles};
+use super::studio::{
+    all_pixels, ball_and_floor, both, differing_bits, farthest, larger, means, placed, scene,
+    triangles,
+};
 use super::{Bench, Family, Row};
 use crate::error::StudyError;
 use crate::integrand::Integrand;
@@ -245,9 +247,8 @@ fn wall_errors(scene: &Scene, pixel: [u32; 2]) -> [[f64; 2]; 2] {
 
 /// Worst of many: of [errors of a sample, of the variance] by [beam, rays].
 fn worst_of(found: impl IntoIterator<Item = [[f64; 2]; 2]>) -> [[f64; 2]; 2] {
-    let nan_max = |a: f64, b: f64| if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) };
     found.into_iter().fold([[0.0; 2]; 2], |worst, found| {
-        [0, 1].map(|t| [0, 1].map(|q| nan_max(worst[t][q], found[t][q])))
+        [0, 1].map(|t| [0, 1].map(|q| larger(worst[t][q], found[t][q])))
     })
 }
 

@@ -1,6 +1,8 @@
 //! Studies with hardly anything to go by, and radiance that is hardly a number.
 
-use super::studio::{all_pixels, ball_and_floor, both, differing_bits, means, scene, triangles};
+use super::studio::{
+    all_pixels, ball_and_floor, both, differing_bits, larger, means, scene, triangles,
+};
 use super::{Bench, Family, Row};
 use crate::double::Double;
 use crate::error::StudyError;
@@ -135,7 +137,7 @@ fn equal_trials(bench: &mut Bench<'_>) {
         let x = x as f32;
         let (sum, squares) = values.iter().fold((0f32, 0f32), |(s, q), _| (s + x, q + x * x));
         let variance = f64::from(((squares - sum * sum / 50.0) / 49.0 / (x * x)).abs());
-        single = if variance.is_nan() { variance } else { single.max(variance) };
+        single = larger(single, variance);
     }
     bench.push(
         Row::new("all trials equal", "variance / mean²", 0.0)
@@ -160,14 +162,14 @@ fn planted(bench: &mut Bench<'_>) {
                 .map(|power| {
                     let n = 1u64 << power;
                     let variance = (-p * (n as f64).ln() - bias).exp();
-                    WeightedRow { n, variance, noise }
+                    WeightedRow::new(n, variance, noise)
                 })
                 .collect();
             let plain = rows.iter().map(|row| (row.n, row.variance, noise.var_ln()));
             for fit in [weighted_fit(&rows), power_law(plain)] {
                 off = off.max(fit.map_or(f64::INFINITY, |fit| (fit.exponent - p).abs()));
             }
-            single = f64::max(single, (slope_in_f32(&rows) + p).abs());
+            single = larger(single, (slope_in_f32(&rows) + p).abs());
         }
         bench.push(
             Row::new(name, "error of p", 1e-12)

@@ -123,7 +123,10 @@ pub(super) fn differing_bits(a: &[f64], b: &[f64]) -> usize {
 
 /// Largest absolute difference; NaN where one of them is no number.
 pub(super) fn farthest(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, |worst: f64, off| {
-        if off.is_nan() || worst.is_nan() { f64::NAN } else { worst.max(off) }
-    })
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, larger)
+}
+
+/// The larger of two errors; NaN if one of them is.
+pub(super) fn larger(a: f64, b: f64) -> f64 {
+    if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
 }

@@ -1,7 +1,7 @@
 //! A study without trials, where a pixel allows it.
 
 use super::{
-    Control, Method, Row, SamplerChoice, SamplerResult, StudyPlan, StudyResult, study_sampler,
+    Control, Method, Row, SamplerChoice, SamplerResult, StudyPlan, StudyResult, sampler_rows,
     summarise,
 };
 use crate::error::StudyError;
@@ -10,6 +10,7 @@ use crate::integrand::{Integrand, Reference};
 use crate::noise::Noise;
 use crate::sampler::{CountPolicy, Scramble};
 use crate::trace::PixelIntegrand;
+use crate::variance::Moments;
 use std::sync::atomic::Ordering;
 
 /// A plan for pixels whose exact curves are wanted: what all pixels share is made once.
@@ -50,36 +51,20 @@ impl<'a> ExactStudy<'a> {
         control: Control<'_>,
     ) -> Result<StudyResult, StudyError> {
         let plan = self.plan;
-        let curve = match integrand {
-            PixelIntegrand::Rays(_) => Err(Unresolved::Rays),
-            PixelIntegrand::AreaBeam(_) | PixelIntegrand::Filtered(_) => Err(Unresolved::Weighted),
-            PixelIntegrand::Beam(beam) => {
-                let grids = self.grids.as_ref().map_err(Clone::clone);
-                grids.and_then(|grids| grids.curve(beam, self.tolerance))
-            }
-        };
+        let curve = self.curve(integrand);
         let mut samplers = Vec::with_capacity(plan.samplers.len());
-        for (choice, used) in plan.samplers.iter().zip(&self.counts_used) {
-            if control.cancel.load(Ordering::Relaxed) {
-                break;
-            }
-            let rows = curve.as_ref().map_err(Clone::clone).and_then(|curve| {
-                exact_rows(plan, *choice, used, curve).ok_or(Unresolved::Sampler)
-            });
-            let result = match rows {
-                Ok(rows) => {
-                    let samples = rows.iter().fold(0u64, |sum, row| sum.saturating_add(row.n_used));
-                    (control.progress)(samples.saturating_mul(plan.n_trials.into()));
-                    let measured = summarise(integrand, *choice, rows, 0);
-                    SamplerResult { method: Method::Exact, ..measured }
+        for (at, &choice) in plan.samplers.iter().enumerate() {
+            let result = match self.rows(at, integrand, pixel, &curve, control) {
+                Ok((rows, None)) => {
+                    let computed = summarise(integrand, choice, rows, 0);
+                    SamplerResult { method: Method::Exact, ..computed }
                 }
-                Err(reason) => {
-                    match study_sampler(integrand, pixel, plan, *choice, used, control) {
-                        Ok(result) => SamplerResult { unresolved: Some(reason), ..result },
-                        Err(StudyError::Cancelled) => break,
-                        Err(error) => return Err(error),
-                    }
+                Ok((rows, unresolved)) => {
+                    let measured = summarise(integrand, choice, rows, plan.n_trials);
+                    SamplerResult { unresolved, ..measured }
                 }
+                Err(StudyError::Cancelled) => break,
+                Err(error) => return Err(error),
             };
             samplers.push(result);
         }
@@ -96,6 +81,69 @@ impl<'a> ExactStudy<'a> {
             complete: samplers.len() == plan.samplers.len(),
             samplers,
         })
+    }
+
+    /// The rows of [`pixel`](Self::pixel) without what is read from them: each sampler's moments
+    /// after those of the one before, of no trials where they were computed.
+    ///
+    /// # Errors
+    /// As [`pixel`](Self::pixel); `Cancelled` where any sampler was not finished.
+    pub(crate) fn measure(
+        &self,
+        integrand: &PixelIntegrand<'_>,
+        pixel: [u32; 2],
+        control: Control<'_>,
+    ) -> Result<Vec<Moments>, StudyError> {
+        let plan = self.plan;
+        let curve = self.curve(integrand);
+        let mut moments = Vec::with_capacity(plan.samplers.len() * plan.counts.len());
+        for at in 0..plan.samplers.len() {
+            let (rows, unresolved) = self.rows(at, integrand, pixel, &curve, control)?;
+            let trials = if unresolved.is_some() { plan.n_trials } else { 0 };
+            moments.extend(rows.iter().map(|row| row.moments(trials)));
+        }
+        Ok(moments)
+    }
+
+    fn curve(&self, integrand: &PixelIntegrand<'_>) -> Result<ExactCurve, Unresolved> {
+        match integrand {
+            PixelIntegrand::Rays(_) => Err(Unresolved::Rays),
+            PixelIntegrand::AreaBeam(_) | PixelIntegrand::Filtered(_) => Err(Unresolved::Weighted),
+            PixelIntegrand::Beam(beam) => {
+                let grids = self.grids.as_ref().map_err(Clone::clone);
+                grids.and_then(|grids| grids.curve(beam, self.tolerance))
+            }
+        }
+    }
+
+    /// The rows of the plan's sampler at this place, and why they had to be measured.
+    fn rows(
+        &self,
+        at: usize,
+        integrand: &PixelIntegrand<'_>,
+        pixel: [u32; 2],
+        curve: &Result<ExactCurve, Unresolved>,
+        control: Control<'_>,
+    ) -> Result<(Vec<Row>, Option<Unresolved>), StudyError> {
+        if control.cancel.load(Ordering::Relaxed) {
+            return Err(StudyError::Cancelled);
+        }
+        let (plan, choice, used) = (self.plan, self.plan.samplers[at], &self.counts_used[at]);
+        let computed = curve
+            .as_ref()
+            .map_err(Clone::clone)
+            .and_then(|curve| exact_rows(plan, choice, used, curve).ok_or(Unresolved::Sampler));
+        match computed {
+            Ok(rows) => {
+                let samples = rows.iter().fold(0u64, |sum, row| sum.saturating_add(row.n_used));
+                (control.progress)(samples.saturating_mul(plan.n_trials.into()));
+                Ok((rows, None))
+            }
+            Err(reason) => {
+                let rows = sampler_rows(integrand, pixel, plan, choice, used, control)?;
+                Ok((rows, Some(reason)))
+            }
+        }
     }
 }
 

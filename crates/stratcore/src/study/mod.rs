@@ -15,7 +15,7 @@ pub use discrepancy::{Discrepancies, DiscrepancyCurve, DiscrepancyRow, discrepan
 pub use exact::ExactStudy;
 pub use inside::{Inside, inside};
 pub use live::study_live;
-pub use parallel::{collect, for_each, in_order, thread_count, with_threads};
+pub use parallel::{both, collect, for_each, in_order, thread_count, with_threads};
 pub use picture::{Image, render, render_pixels};
 pub use plan::{SamplerChoice, StudyPlan};
 pub use result::{Method, Reading, Row, SamplerResult, StudyResult};
@@ -128,6 +128,27 @@ pub fn study_pixels<I: Integrand>(
     }
 }
 
+/// The rows of one pixel, each sampler's moments after those of the one before: what
+/// [`study`] measures, without what it reads from them. `counts_used` are those of the plan for
+/// the integrand's dimensions.
+///
+/// # Errors
+/// As [`study`]; `Cancelled` where any sampler was not finished.
+pub(crate) fn measure(
+    integrand: &dyn Integrand,
+    pixel: [u32; 2],
+    plan: &StudyPlan,
+    counts_used: &[Vec<u64>],
+    control: Control<'_>,
+) -> Result<Vec<Moments>, StudyError> {
+    let mut moments = Vec::with_capacity(plan.samplers.len() * plan.counts.len());
+    for (choice, used) in plan.samplers.iter().zip(counts_used) {
+        let rows = sampler_rows(integrand, pixel, plan, *choice, used, control)?;
+        moments.extend(rows.iter().map(|row| row.moments(plan.n_trials)));
+    }
+    Ok(moments)
+}
+
 fn study_sampler(
     integrand: &dyn Integrand,
     pixel: [u32; 2],
@@ -136,6 +157,18 @@ fn study_sampler(
     counts_used: &[u64],
     control: Control<'_>,
 ) -> Result<SamplerResult, StudyError> {
+    let rows = sampler_rows(integrand, pixel, plan, choice, counts_used, control)?;
+    Ok(summarise(integrand, choice, rows, plan.n_trials))
+}
+
+fn sampler_rows(
+    integrand: &dyn Integrand,
+    pixel: [u32; 2],
+    plan: &StudyPlan,
+    choice: SamplerChoice,
+    counts_used: &[u64],
+    control: Control<'_>,
+) -> Result<Vec<Row>, StudyError> {
     let mut rows = Vec::with_capacity(counts_used.len());
     for (&n, &n_used) in plan.counts.iter().zip(counts_used) {
         let set = point_set(integrand, pixel, plan, choice, n_used)?;
@@ -143,7 +176,7 @@ fn study_sampler(
         let ns_per_sample = row_means(integrand, choice, &set, 0, &mut means, control)?;
         rows.push(Row { ns_per_sample, ..row(integrand, choice, &set, n, &means)? });
     }
-    Ok(summarise(integrand, choice, rows, plan.n_trials))
+    Ok(rows)
 }
 
 /// Names the sets of N points of a study; the trial is left open.

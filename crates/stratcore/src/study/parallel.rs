@@ -20,6 +20,14 @@ pub fn with_threads<R: Send>(threads: Option<usize>, work: impl FnOnce() -> R + 
     }
 }
 
+/// Two things at a time.
+pub fn both<A: Send, B: Send>(
+    one: impl FnOnce() -> A + Send,
+    other: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    rayon::join(one, other)
+}
+
 /// Does `work` for each item, several at a time and nearly in order, until one of them fails.
 /// Items are drawn as they are needed: as many are in flight as there are threads.
 ///
@@ -33,25 +41,30 @@ pub fn for_each<T: Send, E: Send>(
 }
 
 /// Does `work` for each item, several at a time, and hands the results to `each` in the order of
-/// the items. Results wait in memory for a few items per thread, whatever their number.
+/// the items while the next ones are worked on. No more than `most` results (two at the least)
+/// are in memory, whatever the number of items.
 ///
 /// # Errors
 /// The first error, by the order of the items, of `work` or `each`.
 pub fn in_order<T: Send, R: Send, E: Send>(
     mut items: impl Iterator<Item = T>,
+    most: usize,
     work: impl Fn(T) -> Result<R, E> + Sync,
-    mut each: impl FnMut(R) -> Result<(), E>,
+    mut each: impl FnMut(R) -> Result<(), E> + Send,
 ) -> Result<(), E> {
-    let batch_len = 4 * rayon::current_num_threads();
+    let mut done: Vec<Result<R, E>> = Vec::new();
     loop {
-        let batch: Vec<T> = items.by_ref().take(batch_len).collect();
-        if batch.is_empty() {
+        let batch: Vec<T> = items.by_ref().take((most / 2).max(1)).collect();
+        let is_last = batch.is_empty();
+        let (handed, made) = both(
+            || done.into_iter().try_for_each(|result| each(result?)),
+            || batch.into_par_iter().map(&work).collect(),
+        );
+        handed?;
+        if is_last {
             return Ok(());
         }
-        let results: Vec<Result<R, E>> = batch.into_par_iter().map(&work).collect();
-        for result in results {
-            each(result?)?;
-        }
+        done = made;
     }
 }
 

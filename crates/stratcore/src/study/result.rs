@@ -2,7 +2,7 @@
 
 use crate::exact::Unresolved;
 use crate::fit::{
-    Fit, LocalSlope, TwoTerms, WeightedRow, local_slopes, power_law, two_terms, weighted_fit,
+    Fit, LocalSlope, TwoTerms, WeightedRow, both_fits, local_slopes, paper_fit, two_terms,
 };
 use crate::integrand::Reference;
 use crate::noise::{Noise, pooled_noise};
@@ -33,16 +33,6 @@ pub struct StudyResult {
 }
 
 impl StudyResult {
-    /// The moments of each row's trial means, of no trials where they were computed; samplers
-    /// first.
-    pub fn moments(&self) -> Vec<Moments> {
-        let of_sampler = |sampler: &SamplerResult| {
-            let trials = if sampler.method == Method::Exact { 0 } else { self.trials };
-            sampler.rows.iter().map(|row| row.moments(trials)).collect::<Vec<_>>()
-        };
-        self.samplers.iter().flat_map(of_sampler).collect()
-    }
-
     /// The same in the paper's terms: each sampler's [`fit`](SamplerResult::fit) is its
     /// [`paper_fit`](SamplerResult::paper_fit).
     #[must_use]
@@ -221,8 +211,7 @@ impl Reading {
     pub fn of(sampler: &str, scramble: Scramble, dim: usize, rows: &[(u64, Moments)]) -> Self {
         let noise = pooled_noise(rows);
         let varying = noisy_rows(rows, &noise);
-        let fit = weighted_fit(&varying);
-        let paper_fit = fit_alike(&varying, 0);
+        let [fit, paper_fit] = both_fits(&varying);
         let exact = rows.iter().all(|(_, moments)| moments.variance == 0.0);
         // A torus shift tears the strata apart: what is known of a sampler holds for it
         // unscrambled.
@@ -254,7 +243,7 @@ impl Curves {
         Self {
             local_slopes: local_slopes(&varying),
             two_terms: reading.fit.and_then(|single| two_terms(&varying, &single)),
-            paper_without_first: fit_alike(&varying, 1),
+            paper_without_first: paper_fit(varying.get(1..).unwrap_or_default()),
         }
     }
 }
@@ -268,15 +257,9 @@ fn noisy_rows(rows: &[(u64, Moments)], noise: &[Noise]) -> Vec<WeightedRow> {
 /// The rows (N, variance, noise) with a variance, in the order of N. Counts that were snapped to
 /// the same N drew the same points: they are one row.
 fn weighted_rows(rows: impl Iterator<Item = (u64, f64, Noise)>) -> Vec<WeightedRow> {
-    let mut rows: Vec<_> =
-        rows.map(|(n, variance, noise)| WeightedRow { n, variance, noise }).collect();
-    rows.sort_by_key(|row| row.n);
-    rows.dedup_by_key(|row| row.n);
-    rows.retain(|row| row.variance > 0.0);
-    rows
-}
-
-/// The paper's fit, leaving out the `skip` smallest N.
-fn fit_alike(rows: &[WeightedRow], skip: usize) -> Option<Fit> {
-    power_law(rows.iter().skip(skip).map(|row| (row.n, row.variance, row.noise.var_ln())))
+    let mut rows: Vec<_> = rows.collect();
+    rows.sort_by_key(|(n, ..)| *n);
+    rows.dedup_by_key(|(n, ..)| *n);
+    let varying = rows.into_iter().filter(|(_, variance, _)| *variance > 0.0);
+    varying.map(|(n, variance, noise)| WeightedRow::new(n, variance, noise)).collect()
 }

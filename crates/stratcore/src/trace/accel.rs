@@ -11,6 +11,9 @@ use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 /// A binary BVH whose f32 boxes, relative to the eye, certainly contain the f64 triangles.
 pub struct Accel {
     bvh: Bvh2,
+    /// Corners of the triangle in each slot. Those of neighbours lie side by side, where the
+    /// mesh may have spread them over all memory.
+    corners: Vec<[DVec3; 3]>,
     eye: DVec3,
 }
 
@@ -44,12 +47,19 @@ impl Accel {
         let swept = |id: &u32| [corners(*id), moved(*id)];
         let boxes: Vec<Aabb> =
             ids.iter().map(|id| padded_box(swept(id).as_flattened(), pad)).collect();
-        Self { bvh: build_tree(&boxes, &ids), eye }
+        let bvh = build_tree(&boxes, &ids);
+        let corners = bvh.primitive_indices.iter().map(|id| mesh.corners(*id as usize)).collect();
+        Self { bvh, corners, eye }
     }
 
     /// The tree. A leaf's primitives are slots; [`Accel::triangle`] gives their triangles.
     pub fn bvh(&self) -> &Bvh2 {
         &self.bvh
+    }
+
+    /// The corners of the triangle in each slot, as in the mesh.
+    pub fn corners(&self) -> &[[DVec3; 3]] {
+        &self.corners
     }
 
     /// What the boxes are relative to.
@@ -127,9 +137,16 @@ fn build_tree(boxes: &[Aabb], triangles: &[u32]) -> Bvh2 {
     optimizer.run(&mut bvh, 0.05, None);
     collapse(&mut bvh, 8, 2.0);
     optimizer.run(&mut bvh, 0.1, None);
-    for primitive in &mut bvh.primitive_indices {
-        *primitive = triangles[*primitive as usize];
+    // Neighbours in the tree become neighbours in memory.
+    bvh.reorder_in_stack_traversal_order();
+    let mut ordered = Vec::with_capacity(triangles.len());
+    for node in bvh.nodes.iter_mut().filter(|node| node.is_leaf()) {
+        let first = node.first_index as usize;
+        let leaf = &bvh.primitive_indices[first..first + node.prim_count as usize];
+        node.first_index = ordered.len() as u32;
+        ordered.extend(leaf.iter().map(|primitive| triangles[*primitive as usize]));
     }
+    bvh.primitive_indices = ordered;
     bvh
 }
 

@@ -79,7 +79,7 @@ impl<'a> PixelIntegrand<'a> {
         channel: Channel,
         tracer: Tracer,
     ) -> Self {
-        let beam = || PixelBeam::of_frame(scene.scene(), scene.accel().bvh(), &frame, channel);
+        let beam = || PixelBeam::of_frame(scene.scene(), scene.accel(), &frame, channel);
         match (tracer == Tracer::Beam).then(beam).flatten() {
             Some(beam) if scene.scene().distribution.lights.is_empty() => {
                 Self::Beam(Box::new(beam))

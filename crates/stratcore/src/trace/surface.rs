@@ -95,15 +95,8 @@ impl Surface {
     #[inline]
     pub fn area<M: Moment>(&self, scene: &TracedScene, moment: M, coordinates: &[f64]) -> Rgb {
         let point = self.point();
-        let mut sum = [0.0; 3];
-        let lights = &scene.scene().distribution.lights;
-        for (light, at) in lights.iter().zip(coordinates.chunks_exact(2)) {
-            let Some(sample) = light.sample(point, at[0], at[1]) else { continue };
-            let to_light = sample.to_light;
-            let cosine = self.lit_cosine(scene, moment, point, to_light, SHORT_OF_THE_LIGHT);
-            let gain = sample.weight * cosine;
-            sum = std::array::from_fn(|i| sum[i] + gain * light.radiance[i]);
-        }
-        sum
+        scene.scene().distribution.irradiance(point, coordinates, |_, to_light| {
+            self.lit_cosine(scene, moment, point, to_light, SHORT_OF_THE_LIGHT)
+        })
     }
 }

@@ -9,8 +9,9 @@ use crate::jobs::Drawn;
 use crate::model::{Model, Piece, Progress};
 use crate::state::{PatternWords, State};
 use eframe::egui::{
-    self, Align, Color32, ColorImage, ComboBox, DragValue, Layout, Rangef, Rect, Sense, Stroke,
-    StrokeKind, TextureHandle, TextureOptions, Ui, UiBuilder, WidgetInfo, pos2, vec2,
+    self, Align, Color32, ColorImage, ComboBox, DragValue, Label, Layout, Rangef, Rect, RichText,
+    Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, UiBuilder, WidgetInfo, pos2,
+    vec2,
 };
 use egui_plot::{AxisHints, HLine, Line, LineStyle, MarkerShape, Plot, Points};
 use stratcli::report::chart::label;
@@ -193,15 +194,14 @@ fn legend(ui: &mut Ui, model: &Model) {
     let others = spectra.map(|s| (s.name, s.scramble, None)).skip(known.len());
     ui.horizontal_wrapped(|ui| {
         for (name, scramble, fit) in known.iter().copied().chain(others) {
-            ui.horizontal(|ui| {
-                super::curve::swatch(ui, colours::sampler(name, dark));
-                ui.label(label(name, scramble));
-                if let Some(fit) = fit {
-                    let p = with_error(fit.exponent, fit.std_error);
-                    let hint = "the discrepancy falls as N^-p";
-                    ui.weak(format!("p = {p}")).on_hover_text(hint);
-                }
-            });
+            let colour = colours::sampler(name, dark);
+            // One label each: what does not fit goes to the next row as a whole.
+            let mut text = label(name, scramble);
+            if let Some(fit) = fit {
+                text += &format!("  p = {}", with_error(fit.exponent, fit.std_error));
+            }
+            let text = Label::new(RichText::new(text).color(colour)).extend();
+            ui.add(text).on_hover_text("discrepancy falls as N^-p");
             ui.add_space(6.0);
         }
     });
@@ -257,7 +257,7 @@ fn scale(ui: &Ui, area: Rect, spectrum: &SamplerSpectrum) {
     const STEPS: u8 = 40;
     let painter = ui.painter();
     let bar = Rect::from_min_size(pos2(area.right() + 6.0, area.top()), vec2(8.0, area.height()));
-    if bar.right() + 34.0 > ui.clip_rect().right() {
+    if bar.right() + 20.0 > ui.clip_rect().right() {
         return;
     }
     let ink = ui.visuals().weak_text_color();

@@ -84,7 +84,8 @@ pub fn slope(
     let line = Line::new("slope", vec![[x0, y0], end]).color(colour).width(1.0);
     plot.line(line.style(LineStyle::dashed_dense()).allow_hover(false));
     let at = PlotPoint::new(end[0], end[1]);
-    let text = Text::new("slope", at, RichText::new(name).size(12.0));
+    // Clear of the last point's marker.
+    let text = Text::new("slope", at, RichText::new(format!("  {name}")).size(12.0));
     plot.text(text.color(colour).anchor(Align2::LEFT_CENTER).allow_hover(false));
 }
 

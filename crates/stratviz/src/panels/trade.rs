@@ -131,8 +131,11 @@ fn plot(ui: &mut Ui, trade: &TradeResult, choice: Option<&Choice>) {
             let line = HLine::new("wanted error", choice.error.log10()).color(muted);
             plot.hline(line.style(LineStyle::dashed_dense()).allow_hover(false));
         }
-        let front = Line::new("Pareto front", front(trade)).color(muted).width(4.0);
-        plot.line(front.allow_hover(false));
+        // Step by step: one thick line through sharp turns is drawn with false joints.
+        for step in front(trade).windows(2) {
+            let line = Line::new("Pareto front", step.to_vec()).color(muted).width(3.0);
+            plot.line(line.allow_hover(false));
+        }
         for sampler in &trade.samplers {
             let colour = colours::sampler(sampler.name, dark);
             let points: Vec<_> = measured(sampler).map(place).collect();

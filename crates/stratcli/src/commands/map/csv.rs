@@ -103,7 +103,7 @@ pub fn best_mean(plan: &Identity, pixel: &PixelReading) -> f64 {
 fn number(text: &mut String, value: f64) {
     text.push(',');
     if value.is_finite() {
-        let _ = write!(text, "{value:?}");
+        text.push_str(zmij::Buffer::new().format_finite(value));
     }
 }
 

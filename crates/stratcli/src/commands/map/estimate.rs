@@ -4,12 +4,13 @@
 //! the time it took.
 
 use super::Job;
+use super::finish::{tile_bytes, tiles_in_flight};
 use crate::cli::Common;
 use crate::commands::Outcome;
 use crate::commands::inspect::MemoryFacts;
 use crate::output;
 use crate::table::{Align, columns, number};
-use anyhow::{Context, Result};
+use anyhow::Result;
 use serde::Serialize;
 use std::fs::OpenOptions;
 use std::io::Write;
@@ -58,12 +59,12 @@ pub fn run(job: &Job, common: &Common) -> Result<Outcome> {
         calibrated_on: times.len(),
         seconds: mean * share,
         std_error: (variance / n).sqrt() * share,
-        memory_bytes: memory(job, tiles.len(), threads),
+        memory_bytes: memory(job, tiles.len()),
         disk_bytes: disk(job, pixels),
-        past_errors: past(job)?.iter().filter_map(Past::error).collect(),
+        past_errors: past(job).iter().filter_map(Past::error).collect(),
     };
     let key = key(&estimate.hash, job.shard, threads);
-    append(job, &format!("{key},{},{},", estimate.seconds, estimate.std_error))?;
+    append(job, &format!("{key},{},{},", estimate.seconds, estimate.std_error), common);
     if common.json {
         output::print_json(estimate)?;
     } else {
@@ -120,17 +121,13 @@ fn record_bytes(job: &Job) -> u64 {
     (ROW_BYTES * job.identity.rows_per_pixel()) as u64
 }
 
-fn memory(job: &Job, n_tiles: usize, threads: usize) -> u64 {
+fn memory(job: &Job, n_tiles: usize) -> u64 {
     /// The program, its tables and the overview.
     const PROGRAM: u64 = 32 << 20;
-    /// Copies of a tile's rows while its results are made: numbers, readings, bytes, rows.
-    const COPIES: u64 = 6;
-    /// Tiles per thread that wait for their turn.
-    const WAITING: u64 = 4;
     let MemoryFacts { scene, bvh } = MemoryFacts::of(&job.scene);
-    let tile = record_bytes(job) * u64::from(job.identity.tile_side).pow(2);
+    let tiles = tile_bytes(&job.identity) * tiles_in_flight(&job.identity);
     let places = 40 * n_tiles as u64;
-    (scene + bvh) as u64 + PROGRAM + tile * COPIES * WAITING * threads as u64 + places
+    (scene + bvh + tiles) as u64 + PROGRAM + places
 }
 
 /// The tiles and the results that stand beside them, compression left out.
@@ -213,23 +210,20 @@ fn key(hash: &str, shard: Shard, threads: usize) -> String {
     format!("{hash},{shard},{threads}")
 }
 
-fn past(job: &Job) -> Result<Vec<Past>> {
-    let path = file(job);
-    if !path.exists() {
-        return Ok(Vec::new());
-    }
-    let text = input::read_text(&path, MAX_DOCUMENT)
-        .with_context(|| format!("cannot read {}", path.display()))?;
+/// Lines that are none of ours, as after a full disk, are passed over.
+fn past(job: &Job) -> Vec<Past> {
+    let text = input::read_text(&file(job), MAX_DOCUMENT).unwrap_or_default();
     let read = |line: &str| -> Option<Past> {
         let fields: Vec<_> = line.split(',').collect();
         let [plan, shard, threads, estimated, _, took] = *fields else { return None };
         let key = [plan, shard, threads].join(",");
         Some(Past { key, estimated: estimated.parse().ok()?, took: took.parse().ok() })
     };
-    Ok(text.lines().filter_map(read).collect())
+    text.lines().filter_map(read).collect()
 }
 
-fn append(job: &Job, line: &str) -> Result<()> {
+/// Remembers a line. An estimate or a map is worth having where it cannot be remembered.
+fn append(job: &Job, line: &str, common: &Common) {
     let path = file(job);
     let write = || -> std::io::Result<()> {
         let mut file = OpenOptions::new().append(true).create(true).open(&path)?;
@@ -238,20 +232,22 @@ fn append(job: &Job, line: &str) -> Result<()> {
         }
         writeln!(file, "{line}")
     };
-    write().with_context(|| {
-        format!(
-            "cannot write {}; choose a folder that exists and can be written to",
+    if let Err(error) = write()
+        && !common.quiet
+    {
+        output::note(&format!(
+            "note: cannot write {}: {error}; this is not remembered for later estimates",
             path.display()
-        )
-    })
+        ));
+    }
 }
 
 /// Holds the time that a run took against its estimate, if there is one.
-pub fn judge(job: &Job, header: &Header, took: Duration, common: &Common) -> Result<()> {
+pub fn judge(job: &Job, header: &Header, took: Duration, common: &Common) {
     let key = key(&header.hash, job.shard, thread_count());
-    let Some(past) = past(job)?.into_iter().rfind(|past| past.key == key) else { return Ok(()) };
+    let Some(past) = past(job).into_iter().rfind(|past| past.key == key) else { return };
     let took = took.as_secs_f64();
-    append(job, &format!("{key},{},,{took}", past.estimated))?;
+    append(job, &format!("{key},{},,{took}", past.estimated), common);
     if !common.quiet {
         output::note(&format!(
             "took {} s; the estimate was {} s, {:+.0} %",
@@ -260,5 +256,4 @@ pub fn judge(job: &Job, header: &Header, took: Duration, common: &Common) -> Res
             100.0 * (past.estimated / took - 1.0)
         ));
     }
-    Ok(())
 }

@@ -6,13 +6,14 @@
 //! group begins with its name: `jittered.Rate.p`. NaN is missing.
 
 use super::csv::best_mean;
-use exr::block::{BlockIndex, UncompressedBlock};
+use crate::picture;
+use anyhow::Result;
+use exr::block::BlockIndex;
+use exr::block::chunk::Chunk;
 use exr::math::RoundingMode;
-use exr::meta::attribute::{
-    ChannelDescription, IntegerBounds, LevelMode, LineOrder, SampleType, Text, TileDescription,
-};
-use exr::meta::header::{Header, LayerAttributes};
-use exr::meta::{BlockDescription, Headers};
+use exr::meta::attribute::{IntegerBounds, LevelMode, LineOrder, TileDescription};
+use exr::meta::header::Header;
+use exr::meta::{BlockDescription, MetaData};
 use exr::prelude::{Compression, Vec2};
 use stratcore::map::{Identity, PixelReading, Region};
 use stratcore::theory::Class;
@@ -56,47 +57,36 @@ impl ExrLayout {
         Self(channels)
     }
 
-    /// The file's header. `comments` is the standard attribute of that name: attributes of our
-    /// own would be written in another order in every run.
-    pub fn headers(&self, plan: &Identity, comments: &str) -> Headers {
-        let [width, height] = plan.region.size().map(|side| side as usize);
-        let channel = |(name, ..): &(String, usize, Layer)| {
-            ChannelDescription::named(name.as_str(), SampleType::F32)
-        };
-        let position = Vec2(plan.region.x0 as i32, plan.region.y0 as i32);
-        let attributes = LayerAttributes {
-            software_name: Text::new_or_none(concat!("stratcli ", env!("CARGO_PKG_VERSION"))),
-            comments: Text::new_or_none(comments),
-            ..LayerAttributes::default()
-        };
+    /// The file's header.
+    pub fn header(&self, plan: &Identity, comments: &str) -> Header {
+        let [x, y] = [plan.region.x0, plan.region.y0].map(|corner| corner as i32);
+        let [full_width, full_height] = plan.resolution.map(|side| side as usize);
         let tiles = TileDescription {
             tile_size: Vec2(plan.tile_side as usize, plan.tile_side as usize),
             level_mode: LevelMode::Singular,
             rounding_mode: RoundingMode::Down,
         };
-        let [full_width, full_height] = plan.resolution.map(|side| side as usize);
-        let header =
-            Header::new(Text::default(), (width, height), self.0.iter().map(channel).collect())
-                .with_attributes(attributes)
-                .with_position(position)
-                .with_display_window(IntegerBounds::from_dimensions((full_width, full_height)))
-                .with_encoding(
-                    // Variances are noise to a compressor: deflate saves little more, and takes longer
-                    // than all the rest of this pass.
-                    Compression::RLE,
-                    BlockDescription::Tiles(tiles),
-                    LineOrder::Increasing,
-                );
-        [header].into_iter().collect()
+        let names = self.0.iter().map(|(name, ..)| name.as_str());
+        picture::exr::header(plan.region.size(), names, comments)
+            .with_position(Vec2(x, y))
+            .with_display_window(IntegerBounds::from_dimensions((full_width, full_height)))
+            .with_encoding(
+                // Variances are noise to a compressor: deflate saves little more, and takes
+                // longer than all the rest of this pass.
+                Compression::RLE,
+                BlockDescription::Tiles(tiles),
+                LineOrder::Increasing,
+            )
     }
 
-    /// A tile's pixels: for each line, each channel's values.
-    pub fn block(
+    /// A tile's pixels as a chunk of the file.
+    pub fn chunk(
         &self,
+        meta: &MetaData,
         plan: &Identity,
         tile: Region,
         readings: &[Vec<PixelReading>],
-    ) -> UncompressedBlock {
+    ) -> Result<Chunk> {
         let [width, height] = tile.size().map(|side| side as usize);
         let at = [tile.x0 - plan.region.x0, tile.y0 - plan.region.y0].map(|side| side as usize);
         let mut data = Vec::with_capacity(4 * readings.len() * self.0.len());
@@ -114,7 +104,7 @@ impl ExrLayout {
             pixel_size: Vec2(width, height),
             level: Vec2(0, 0),
         };
-        UncompressedBlock { index, data }
+        picture::exr::compress(meta, index, data)
     }
 }
 

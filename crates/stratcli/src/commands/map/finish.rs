@@ -7,17 +7,19 @@ use super::overview::Overview;
 use super::text;
 use crate::cli::Common;
 use crate::output::{self, AtomicFile};
+use crate::picture;
 use crate::report::PNG_SCALE;
 use anyhow::{Context, Result, anyhow, bail};
 use exr::block::chunk::Chunk;
-use exr::block::writer::ChunksWriter;
 use serde::{Deserialize, Serialize};
 use std::fs;
-use std::io::{BufWriter, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use stratcore::input::{self, MAX_DOCUMENT};
-use stratcore::map::{Header, PixelReading, Region, Summary, Tally, TileSet, read_tile};
-use stratcore::study::in_order;
+use stratcore::map::{
+    Header, Identity, PixelReading, ROW_BYTES, Region, Summary, Tally, TileSet, read_tile,
+};
+use stratcore::study::{both, in_order, thread_count};
 
 /// What is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -129,7 +131,7 @@ pub fn write(set: &TileSet, header: &Header, output: &Output) -> Result<Found> {
             let file = AtomicFile::create_locked(&output.path)?;
             let mut out = BufWriter::new(file.file());
             header.write_file(set, &mut out, &output.path)?;
-            out.flush().with_context(|| format!("cannot write {}", output.path.display()))?;
+            out.flush().with_context(|| output::unwritten(&output.path))?;
             drop(out);
             file.commit_written()?;
             let files = vec![output.path.clone()];
@@ -144,6 +146,22 @@ pub fn show(found: &Found, common: &Common) -> Result<()> {
     if common.json { output::print_json(found) } else { output::print(&text::report(found)) }
 }
 
+/// How many tiles may be in memory at once while results are made of them.
+pub fn tiles_in_flight(plan: &Identity) -> usize {
+    /// Bytes for them all, however many threads there are.
+    const ROOM: usize = 96 << 20;
+    /// Tiles for each thread: one being made, and some that wait for their turn.
+    const PER_THREAD: usize = 8;
+    (ROOM / tile_bytes(plan)).clamp(2, PER_THREAD * thread_count())
+}
+
+/// Bytes in memory, about, of one tile while results are made of it.
+pub fn tile_bytes(plan: &Identity) -> usize {
+    /// Its rows as stored, as numbers, as readings, as pixels and as text.
+    const COPIES: usize = 6;
+    COPIES * ROW_BYTES * plan.rows_per_pixel() * (plan.tile_side as usize).pow(2)
+}
+
 /// What is made of one tile, by any thread.
 struct Piece {
     region: Region,
@@ -155,7 +173,7 @@ struct Piece {
 fn write_picture(set: &TileSet, header: &Header, output: &Output, points: bool) -> Result<Found> {
     let plan = set.plan();
     let layout = ExrLayout::new(plan);
-    let picture = AtomicFile::create_locked(&output.path)?;
+    let file = AtomicFile::create_locked(&output.path)?;
     let mut tables = vec![TableFile::create(output.beside("fits.csv"), Table::Fits)?];
     if points {
         tables.push(TableFile::create(output.beside("points.csv"), Table::Points)?);
@@ -163,49 +181,42 @@ fn write_picture(set: &TileSet, header: &Header, output: &Output, points: bool) 
     let mut tally = Tally::new(plan);
     let mut overview = Overview::new(plan);
     let comments = serde_json::to_string(&header)?;
-    let mut fault = None;
-    let written = exr::block::write(
-        BufWriter::new(picture.file()),
-        layout.headers(plan, &comments),
-        true,
-        |meta, chunks| {
-            let kinds: Vec<Table> = tables.iter().map(|table| table.kind).collect();
-            let make = |tile: usize| -> Result<(usize, Piece)> {
-                let region = plan.tiling().tile(tile);
-                let readings = read_tile(plan, &set.read(tile)?);
-                let block = layout.block(plan, region, &readings);
-                let chunk = block.compress_to_chunk(&meta.headers).map_err(|e| anyhow!("{e}"))?;
-                let rows =
-                    kinds.iter().map(|kind| csv::rows(*kind, plan, region, &readings)).collect();
-                Ok((tile, Piece { region, readings, chunk, rows }))
-            };
-            let each = |(tile, piece): (usize, Piece)| -> Result<()> {
-                chunks.write_chunk(tile, piece.chunk).map_err(|e| anyhow!("{e}"))?;
-                for (table, rows) in tables.iter_mut().zip(&piece.rows) {
-                    table.out.write_all(rows.as_bytes()).context("cannot write a table")?;
-                }
-                for (pixel, reading) in piece.region.pixels().zip(&piece.readings) {
-                    tally.add(reading);
-                    overview.add(plan, pixel, reading);
-                }
-                Ok(())
-            };
-            if let Err(error) = in_order(0..plan.tiling().n_tiles(), make, each) {
-                fault = Some(error);
-                return Err(exr::error::Error::Aborted);
+    let kinds: Vec<Table> = tables.iter().map(|table| table.kind).collect();
+    picture::exr::write(file.file(), layout.header(plan, &comments), |meta, chunks| {
+        let make = |tile: usize| -> Result<(usize, Piece)> {
+            let region = plan.tiling().tile(tile);
+            let readings = read_tile(plan, &set.read(tile)?);
+            let chunk = layout.chunk(meta, plan, region, &readings)?;
+            let rows = kinds.iter().map(|kind| csv::rows(*kind, plan, region, &readings)).collect();
+            Ok((tile, Piece { region, readings, chunk, rows }))
+        };
+        let each = |(tile, piece): (usize, Piece)| -> Result<()> {
+            picture::exr::write_chunk(chunks, tile, piece.chunk)?;
+            for (table, rows) in tables.iter_mut().zip(&piece.rows) {
+                table.out.write_all(rows.as_bytes())?;
+            }
+            for (pixel, reading) in piece.region.pixels().zip(&piece.readings) {
+                tally.add(reading);
+                overview.add(plan, pixel, reading);
             }
             Ok(())
-        },
-    );
-    if let Some(error) = fault {
-        return Err(error.context(format!("cannot write {}", output.path.display())));
-    }
-    written.with_context(|| format!("cannot write {}", output.path.display()))?;
+        };
+        in_order(0..plan.tiling().n_tiles(), tiles_in_flight(plan), make, each)
+    })
+    .with_context(|| output::unwritten(&output.path))?;
     let summary = tally.summary();
-    let drawing = overview.draw(plan, &summary).to_png(PNG_SCALE);
+    // The disk is waited for while the map is drawn.
+    let (on_disk, drawing) = both(
+        || {
+            tables.iter_mut().try_for_each(TableFile::flush)?;
+            file.file().sync_data()
+        },
+        || overview.draw(plan, &summary).to_png(PNG_SCALE),
+    );
+    on_disk.with_context(|| output::unwritten(&output.path))?;
     let drawing = drawing.map_err(|fault| anyhow!("cannot draw the map: {fault}"))?;
     // The summary comes last: it says that all the others are there.
-    picture.commit_written()?;
+    file.commit_written()?;
     let mut files = vec![output.path.clone()];
     let png = output.beside("png");
     AtomicFile::create_locked(&png)?.commit(&drawing)?;
@@ -242,13 +253,17 @@ impl TableFile {
         let file = AtomicFile::create_locked(&path)?;
         let again = file.file().try_clone();
         let mut out = BufWriter::new(again.context("cannot open a file twice")?);
-        out.write_all(csv::header(kind).as_bytes())
-            .with_context(|| format!("cannot write {}", path.display()))?;
+        out.write_all(csv::header(kind).as_bytes()).with_context(|| output::unwritten(&path))?;
         Ok(Self { path, kind, file, out })
     }
 
+    fn flush(&mut self) -> io::Result<()> {
+        self.out.flush()?;
+        self.file.file().sync_data()
+    }
+
     fn finish(mut self) -> Result<PathBuf> {
-        self.out.flush().with_context(|| format!("cannot write {}", self.path.display()))?;
+        self.flush().with_context(|| output::unwritten(&self.path))?;
         self.file.commit_written()?;
         Ok(self.path)
     }

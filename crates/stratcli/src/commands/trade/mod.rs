@@ -113,8 +113,7 @@ fn measure(
     let plot = args.plot.as_deref().map(PlotFile::create).transpose()?;
     let html_file = match &args.report {
         Some(folder) => {
-            std::fs::create_dir_all(folder)
-                .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+            output::make_folder(folder, "--report")?;
             let path = folder.join(figures::PAGE);
             Some((AtomicFile::create(&path)?, path, folder))
         }

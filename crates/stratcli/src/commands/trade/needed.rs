@@ -69,7 +69,7 @@ pub fn run(scene: Scene, path: &Path, args: &TradeArgs, common: &Common) -> Resu
     let document =
         Document { scene: &name, trials, seed, output: path, picture: &png, needed: &found };
     let comments = serde_json::to_string(&document)?;
-    exr_file.commit(&picture::exr_channels(found.size, channels(&found), &comments)?)?;
+    exr_file.commit(&picture::exr::encode(found.size, channels(&found), &comments)?)?;
     let drawing = figures::draw(&format!("{name}: samples needed"), &found);
     let png_bytes = drawing.to_png(crate::report::PNG_SCALE).map_err(anyhow::Error::msg)?;
     png_file.commit(&png_bytes)?;

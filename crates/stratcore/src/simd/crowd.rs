@@ -1,0 +1,107 @@
+//! A tile in which many facets stand before one another.
+//!
+//! No single facet may cover a stratum there, while its samples have long been hit. So facets
+//! come front to back, each meets the samples of the strata that it touches, and a stratum is
+//! done when its farthest sample is nearer than what is still to come: the work follows what is
+//! visible, and no list is made.
+
+use super::draw::Group;
+use super::raster::Tile;
+use super::shader::Shader;
+use super::types::{Exact, Record, Work};
+use super::vector::{MAX_LANES, Vector};
+use super::visible::{Candidate, Sample};
+use super::{Pixel32, Strata};
+
+/// Adds to each trial's sum the values of its samples in all strata of a tile.
+///
+/// `samples` is room for those of a vector of strata, with [`Sample::floor`] beside them.
+#[inline(always)]
+pub(super) fn tile_sums<S: Shader, V: Vector>(
+    pixel: &Pixel32,
+    strata: &Strata,
+    tile: &Tile,
+    groups: &mut [Group<V>],
+    samples: &mut Vec<(Sample<V>, f32)>,
+    work: &mut Work,
+    exact: Exact<'_>,
+) {
+    let Work { entries, occluders, probes, shades, .. } = work;
+    let list = &entries[tile.list()];
+    // Lanes without a trial wait for nothing.
+    let mut idle = [0.0; MAX_LANES];
+    let n_trials = groups.last().map_or(0, |group| group.n_trials);
+    idle[n_trials..].fill(f32::INFINITY);
+    let idle = V::load(&idle);
+    for first in (0..tile.n_strata()).step_by(V::LANES) {
+        let n = V::LANES.min(tile.n_strata() - first);
+        samples.clear();
+        for stratum in first..first + n {
+            let [i, j] = tile.stratum(stratum);
+            let (index, origin) = (strata.index(i, j), strata.origin(i, j));
+            for group in &*groups {
+                let at = group.sample(index, strata.step, origin);
+                samples.push((Sample::new(pixel, at), 0.0));
+            }
+            if let Some((last, _)) = samples.last_mut() {
+                last.nearest = idle;
+            }
+        }
+        // 1/t behind which each stratum's samples see nothing; strata that are none see nothing.
+        let mut horizon = [f32::INFINITY; MAX_LANES];
+        horizon[..n].fill(0.0);
+        let mut behind = V::load(&horizon);
+        for probe in &probes[..] {
+            if V::mask_bits(behind.gt(V::splat(probe.w_hi))) == V::mask_bits(V::mask_all()) {
+                break;
+            }
+            let Some(met) = tile.meet(probe, first, n, behind) else { continue };
+            let entry = &list[probe.entry as usize];
+            let facet = &pixel.facets[entry.facet as usize];
+            let w_hi = met.w_hi.store();
+            let mut record = Record { strata: met.strata, ..Record::default() };
+            if S::SHADOWS {
+                shades.clear();
+                let [from, to] = entry.occluders.map(|at| at as usize);
+                tile.shadows::<V>(pixel, first, 0, &occluders[from..to], &mut record, shades);
+            }
+            let mut left = met.strata;
+            let mut nearer = false;
+            while left != 0 {
+                let l = left.trailing_zeros() as usize;
+                left &= left - 1;
+                let shadowed = entry.shadowed || record.shadowed >> l & 1 != 0;
+                let candidate = Candidate { facet, w_hi: w_hi[l], shadowed };
+                let mut seen = false;
+                for sample in &mut samples[l * groups.len()..(l + 1) * groups.len()] {
+                    let (sample, floor) = sample;
+                    if *floor < candidate.w_hi {
+                        let here = shades.iter().filter(|shade| shade.strata >> l & 1 != 0);
+                        let ids = here.map(|shade| shade.occluder);
+                        if sample.meet::<S>(pixel, &candidate, ids) {
+                            *floor = sample.floor();
+                            seen = true;
+                        }
+                    }
+                }
+                if seen {
+                    let floors = samples[l * groups.len()..(l + 1) * groups.len()].iter();
+                    let least = |a: f32, b: f32| if a < b { a } else { b };
+                    horizon[l] = floors.map(|(_, floor)| *floor).fold(f32::INFINITY, least);
+                    nearer |= horizon[l] > 0.0;
+                }
+            }
+            if nearer {
+                behind = V::load(&horizon);
+            }
+        }
+        for samples in samples.chunks(groups.len()) {
+            for (group, (sample, _)) in groups.iter_mut().zip(samples) {
+                group.sum = V::sum_add(group.sum, sample.settled(list, exact));
+            }
+        }
+    }
+}
+
+/// Facets of a tile from which on it counts as crowded.
+pub(super) const CROWD: usize = 24;
