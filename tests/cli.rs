@@ -356,7 +356,7 @@ fn an_inspection_counts_what_is_there() {
 /// What an inspection says of a scene with all features, and of one of its pixels.
 #[test]
 fn an_inspection_names_axes_paths_and_needs() {
-    let facts = json(&["inspect", "room-all", "--at", "150,190"]);
+    let facts = json(&["inspect", "room-all", "--at", "200,184"]);
     let features = &facts["features"];
     assert_eq!(features["area_lights"][0]["shape"], "mesh");
     assert!(features["lens"]["radius"] == 0.09 && features["filter"].is_null(), "{features}");
@@ -371,7 +371,7 @@ fn an_inspection_names_axes_paths_and_needs() {
     let paths = facts["paths"].as_array().unwrap();
     assert!(paths.iter().all(|p| p["path"] == "rays"), "{paths:?}");
     assert_eq!(paths.iter().map(|p| p["pixels"].as_u64().unwrap()).sum::<u64>(), 64);
-    // A pixel on the rim of the rolling ball: everything matters, and moves its edge.
+    // A pixel that the rolling ball's rim crosses.
     let pixel = &facts["pixel"];
     let needs = pixel["needs"]["axes"].as_array().unwrap();
     assert_eq!(needs.len(), 7);

@@ -1,7 +1,7 @@
 //! Which pixels of a picture are studied: a rule, not a hand.
 
 use super::draw::{Draws, Estimate};
-use super::needs::{Groups, Split};
+use super::needs::{Groups, Split, is_smooth};
 use crate::error::StudyError;
 use crate::integrand::Integrand as _;
 use crate::scene::Channel;
@@ -107,8 +107,7 @@ fn look(
         draws
             .means(2, CORNERS, 2 * dim, |uniform, scratch| split.parts(draws, uniform, scratch))?;
     let moved = parts[1..=n_features].iter().map(|part| part.value).collect();
-    // Of a smooth f differences fall as the square of the strata.
-    let jumps = codimension(draws, 1024)?.is_none_or(|codimension| codimension < 1.75);
+    let jumps = !codimension(draws, 1024)?.is_some_and(is_smooth);
     Ok(Look { pixel, moved, variance: parts[0].value, jumps })
 }
 

@@ -119,7 +119,10 @@ impl Needs {
                 0.0 => Estimate { value: 0.0, std_error: 0.0 },
                 v => {
                     let Estimate { value, std_error } = parts[4 + axis];
-                    Estimate { value: value / v, std_error: std_error / v }
+                    let share = value / v;
+                    // Both are noisy; that they move together is left out.
+                    let std_error = std_error.hypot(share * variance.std_error) / v;
+                    Estimate { value: share, std_error }
                 }
             };
             let [coarse, fine] = differences_along(draws, axis, evaluations)?;
@@ -185,8 +188,14 @@ fn behaviour(coarse: f64, fine: f64) -> (Behaviour, Option<f64>) {
         return (Behaviour::Jumps, None);
     }
     let codimension = (coarse / fine).ln() / (FINE / COARSE).ln();
-    let jumps = codimension < 1.7;
-    (if jumps { Behaviour::Jumps } else { Behaviour::Smooth }, Some(codimension))
+    let behaviour = if is_smooth(codimension) { Behaviour::Smooth } else { Behaviour::Jumps };
+    (behaviour, Some(codimension))
+}
+
+/// Whether differences fall as those of a smooth f: as the square of the strata. They fall faster
+/// only where rare jumps were met among the coarse and not again among the fine.
+pub(super) fn is_smooth(codimension: f64) -> bool {
+    (1.7..2.3).contains(&codimension)
 }
 
 pub(super) fn mask(axes: &[usize]) -> u32 {

@@ -2,6 +2,7 @@
 
 use super::choose::codimension;
 use super::draw::Draws;
+use super::needs::is_smooth;
 use crate::error::StudyError;
 use crate::integrand::Integrand as _;
 use crate::scene::Channel;
@@ -43,8 +44,8 @@ pub fn survey(
             _ if spread.value == 0.0 => Class::Exact,
             None => Class::Edge,
             Some(codimension) if codimension < 0.5 => Class::Complex,
-            Some(codimension) if codimension < 1.75 => Class::Edge,
-            Some(_) => Class::Smooth,
+            Some(codimension) if is_smooth(codimension) => Class::Smooth,
+            Some(_) => Class::Edge,
         };
         Ok::<_, StudyError>((class, integrand.path()))
     })?;
