@@ -383,7 +383,7 @@ fn killed(kills: u32) {
             in_results += u32::from(folder.path(".out.exr.tmp").exists());
         }
     }
-    println!("{kills} kills, {in_results} of them while results were written");
+    eprintln!("{kills} kills, {in_results} of them while results were written");
     folder.done(&arguments("out.exr", &["--points", "--resume"]));
     folder.same_files("whole", "out");
     assert!(!folder.names().iter().any(|name| name.contains("tmp") || name.contains("part")));

@@ -271,7 +271,7 @@ fn fits(folder: &Folder, scene: &str, words: &str) {
     const ROOM: u64 = 256 << 20;
     let peak = peak_bytes(folder.command(words));
     let allowed = scene_bytes(folder, scene) + ROOM;
-    println!("{words}: {} MB of {} MB", peak / 1_000_000, allowed / 1_000_000);
+    eprintln!("{words}: {} MB of {} MB", peak / 1_000_000, allowed / 1_000_000);
     assert!(peak > 0 && peak < allowed, "{words}: {peak} bytes");
 }
 

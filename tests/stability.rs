@@ -217,6 +217,6 @@ fn closed_parts_of_a_mesh_do_not_leak() {
             }
         }
     }
-    println!("{closed} closed parts, {triangles} triangles, {rays} rays, {missed} missed");
+    eprintln!("{closed} closed parts, {triangles} triangles, {rays} rays, {missed} missed");
     assert_eq!(missed, 0);
 }

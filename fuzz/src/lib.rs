@@ -13,8 +13,11 @@ mod simd;
 mod tiles;
 mod words;
 
-/// An input that strat reads, by the name of its corpus.
-pub const TARGETS: &[(&str, fn(&[u8]))] = &[
+/// An input that strat reads, by the name of its corpus, and what has to survive it.
+pub type Target = (&'static str, fn(&[u8]));
+
+/// Every input that strat reads.
+pub const TARGETS: &[Target] = &[
     ("scene", scene::toml),
     ("obj", scene::obj),
     ("points", points::file),
