@@ -189,6 +189,9 @@ mod tests {
         by_name(name, dim, &params).err().map(|e| e.to_string()).unwrap_or_default()
     }
 
+    /// What has a mean in closed form but no variance.
+    const MEAN_ALONE: [&str; 2] = ["form-factor-perpendicular", "form-factor-disks"];
+
     #[test]
     fn the_catalogue_is_consistent() {
         let names: HashSet<_> = CATALOGUE.iter().map(|info| info.name).collect();
@@ -201,9 +204,10 @@ mod tests {
             for dim in [info.min_dim, info.default_dim(), info.max_dim] {
                 let integrand = by_name(info.name, Some(dim), &[]).unwrap();
                 assert_eq!((integrand.dim(), integrand.axes().len()), (dim, dim));
-                assert!(
-                    integrand.reference().is_some()
-                        && integrand.exact_variance("random", 1).is_some()
+                assert!(integrand.reference().is_some());
+                assert_eq!(
+                    integrand.exact_variance("random", 1).is_none(),
+                    MEAN_ALONE.contains(&info.name)
                 );
                 assert_ne!(integrand.regularity(), Regularity::Unknown);
                 let corners = [vec![0.0; dim], vec![1.0 - f64::EPSILON; dim]];
@@ -213,7 +217,7 @@ mod tests {
     }
 
     /// Every parameter at both ends of its range: finite values, a mean, a variance that is
-    /// neither negative nor missing.
+    /// neither negative nor missing where there is one.
     #[test]
     fn the_ends_of_every_range_are_sound() {
         for info in CATALOGUE {
@@ -222,9 +226,13 @@ mod tests {
                     let integrand =
                         by_name(info.name, None, &[(param.name.to_owned(), value)]).unwrap();
                     let mean = integrand.reference().unwrap().mean;
-                    let variance = integrand.exact_variance("random", 1).unwrap();
+                    assert!(mean.is_finite(), "{} {} = {value}: {mean}", info.name, param.name);
+                    let Some(variance) = integrand.exact_variance("random", 1) else {
+                        assert!(MEAN_ALONE.contains(&info.name), "{}", info.name);
+                        continue;
+                    };
                     let case = format!("{} {} = {value}: {mean} {variance}", info.name, param.name);
-                    assert!(mean.is_finite() && variance.is_finite() && variance >= 0.0, "{case}");
+                    assert!(variance.is_finite() && variance >= 0.0, "{case}");
                     let constant = integrand.regularity() == Regularity::Constant;
                     assert_eq!(constant, variance == 0.0, "{case}");
                 }
