@@ -3,7 +3,7 @@
 
 Mean linear RGB of 8 x 8 regions of the picture, each with its standard error from independent
 renders, for three ways to light and see the room. The test `mitsuba_sees_the_same_room`
-(tests/references.rs) holds our estimates against the file; Mitsuba is not needed there.
+(tests/oracles/mitsuba.rs) holds our estimates against the file; Mitsuba is not needed there.
 
     python3 -m venv venv && venv/bin/pip install mitsuba numpy
     venv/bin/python contrib/reference/mitsuba_room.py

@@ -76,7 +76,7 @@ fn mutations_of_the_corpus_are_survived() {
     mutations(1996, 2_000);
 }
 
-/// After a change of a format: cargo-fuzz starts from what is committed.
+/// After a change of a format: `fuzz/run.sh` starts from these files.
 #[test]
 #[ignore = "writes to fuzz/corpus"]
 fn renew_the_corpus() {
@@ -88,7 +88,7 @@ fn renew_the_corpus() {
     }
 }
 
-/// Ten million executions. METHOD.md has its last result.
+/// Ten million executions. METHOD.md, *Bad input*, says what of it was run.
 #[test]
 #[ignore = "many minutes; `cargo test --test hostile -- --ignored ten_million`"]
 fn ten_million_mutations_are_survived() {
