@@ -5,7 +5,7 @@
 //! that of plain f32 arithmetic (or of the beam, where a pixel is traced), that of plain f64,
 //! and that of the program's own way, which has to stay within a limit that the arithmetic
 //! sets. References are sums without rounding, whole numbers, closed forms, or
-//! [double-double](crate::double) arithmetic on the same samples, so that sampling noise cancels
+//! double-double arithmetic on the same samples, so that sampling noise cancels
 //! and rounding alone is left.
 
 mod accumulation;
