@@ -13,7 +13,7 @@ for option in level=4 inline-8bit-counters pc-table trace-compares; do
 done
 RUSTC_BOOTSTRAP=1 RUSTFLAGS="$flags" cargo build --release --locked --target "$host"
 [ "$target" = build ] && exit
-mkdir -p "grown/$target" "artifacts/$target"
+mkdir -p "grown/$target" "artifacts/$target" "corpus/$target"
 # Leaks are not looked for: the name of a point file is kept for good on purpose.
 STRAT_TARGET=$target "target/$host/release/strat" "grown/$target" "corpus/$target" \
     -artifact_prefix="artifacts/$target/" -max_len=4096 -timeout=10 -rss_limit_mb=1024 \

@@ -366,6 +366,8 @@ fn killed(kills: u32) {
     let mut random = 12345u64;
     let (mut done, mut in_results) = (0, 0);
     while done < kills {
+        // One that an earlier kill left tells nothing of the next.
+        let _ = fs::remove_file(folder.path(".out.exr.tmp"));
         let mut child =
             folder.command(&arguments("out.exr", &["--points", "--resume"])).spawn().unwrap();
         random =

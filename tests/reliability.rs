@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::os::unix::process::CommandExt as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
@@ -164,9 +164,10 @@ fn a_folder_that_cannot_be_written_to_is_named_before_any_work() {
     allow(0o555).unwrap();
     fs::set_permissions(folder.0.path(), PermissionsExt::from_mode(0o755)).unwrap();
     let is_root = fs::write(folder.path("locked/probe"), "").is_ok();
-    let reachable = |path: &str| fs::metadata(path).is_ok_and(|m| m.permissions().mode() & 1 == 1);
-    if is_root && !reachable(STRATCLI) {
-        eprintln!("not tried: nobody else can run {STRATCLI}");
+    let open = |path: &Path| fs::metadata(path).is_ok_and(|m| m.permissions().mode() & 1 == 1);
+    let reachable = |path: &Path| path.ancestors().all(open);
+    if is_root && !(reachable(STRATCLI.as_ref()) && reachable(folder.0.path())) {
+        eprintln!("not tried: nobody else can run {STRATCLI} in {}", folder.0.path().display());
         return;
     }
     for (words, files) in WRITERS {

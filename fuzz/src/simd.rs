@@ -87,7 +87,7 @@ fn beam(bytes: &mut Bytes) {
     let corner = |bytes: &mut Bytes| bytes.point();
     let n_positions = 3 + usize::from(bytes.byte() % 12);
     let positions: Vec<_> = (0..n_positions).map(|_| corner(bytes)).collect();
-    let n_triangles = 1 + usize::from(bytes.byte() % 24);
+    let n_triangles = 1 + usize::from(bytes.byte() % 96);
     let index = |bytes: &mut Bytes| u32::from(bytes.byte()) % n_positions as u32;
     let triangles: Vec<_> = (0..n_triangles).map(|_| [(); 3].map(|()| index(bytes))).collect();
     let materials = (0..n_triangles).map(|_| u32::from(bytes.byte() % 2)).collect();

@@ -130,6 +130,11 @@ impl AtomicFile {
         &self.file
     }
 
+    /// Waits until the disk has what was written; a device or a pipe has no disk.
+    pub fn sync(&self) -> io::Result<()> {
+        if self.temporary.is_some() { self.file.sync_data() } else { Ok(()) }
+    }
+
     /// Gives the file its name with what was written to it, in place of any older one.
     pub fn commit_written(self) -> Result<()> {
         let Some(temporary) = &self.temporary else { return Ok(()) };

@@ -68,6 +68,20 @@ fn soup(seed: u64, n: usize) -> Vec<[DVec3; 3]> {
     triangles
 }
 
+/// Small triangles all over the view, none of which hides many others.
+fn leaves(seed: u64, n: usize) -> Vec<[DVec3; 3]> {
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
+    let mut point = |centre: DVec3, half: f64| {
+        centre + DVec3::from_array([0; 3].map(|_| rng.random_range(-half..half)))
+    };
+    (0..n)
+        .map(|_| {
+            let centre = point(DVec3::new(0.8, 0.1, 5.0), 3.0);
+            [0; 3].map(|_| point(centre, 0.15))
+        })
+        .collect()
+}
+
 /// Random positions that f32 represents about the pixel's centre, as the kernels place them.
 fn positions(seed: u64, n: usize) -> Vec<f64> {
     let mut rng = Xoshiro256PlusPlus::seed_from_u64(seed);
@@ -186,7 +200,8 @@ fn a_shared_edge_leaks_no_sample() {
     }
 }
 
-/// Jittered and random trial means of a few pixels by every instruction set, bit for bit.
+/// Jittered and random trial means of a few pixels by every instruction set, bit for bit: of
+/// few triangles, and of so many that tiles are sampled as crowds.
 #[test]
 fn all_instruction_sets_give_the_same_bits() {
     for (name, fov_y) in [("classic", 20.0), ("classic", 170.0), ("classic-shadows", 45.0)] {
@@ -194,30 +209,38 @@ fn all_instruction_sets_give_the_same_bits() {
         scene.camera.fov_y = fov_y;
         let traced = TracedScene::new(scene);
         for pixel in [[128, 75], [100, 120], [10, 10], [200, 160], [60, 83]] {
-            let means = |isa| {
-                let (scene, accel) = (traced.scene(), traced.accel());
-                let beam = PixelBeam::new(scene, accel, pixel, Channel::Luminance).unwrap();
-                let beam = beam.with_isa(isa);
-                let mut all = Vec::new();
-                let never = AtomicBool::new(false);
-                for (sampler, n) in
-                    [(&Jittered as &dyn Sampler, 49), (&Jittered, 30), (&Random, 50)]
-                {
-                    let (sampler_id, seed) = (sampler.stream_id(), 5);
-                    let key =
-                        StreamKey { seed, pixel, sampler: sampler_id, n_samples: n, trial: 0 };
-                    let set = PointSet { key, dim: 2, scramble: Scramble::None, rectangular: true };
-                    let mut means = vec![0.0; 21];
-                    assert!(beam.trial_means(sampler, &set, 3, &mut means, &never));
-                    all.extend(means);
-                }
-                all
-            };
-            let plain = means(Isa::BASELINE);
-            for isa in Isa::available() {
-                assert_eq!(means(isa), plain, "{name}, fov {fov_y}, {pixel:?}: {}", isa.name());
-            }
+            same_bits_by_every_isa(&traced, pixel);
         }
+    }
+    let crowd = labelled(&leaves(11, 1_000), [2, 2], 60.0);
+    for pixel in [[0, 0], [1, 1]] {
+        let n_facets = crowd.pixel(pixel, Channel::Luminance).n_facets();
+        assert!(n_facets > Some(100), "{n_facets:?}");
+        same_bits_by_every_isa(&crowd, pixel);
+    }
+}
+
+fn same_bits_by_every_isa(traced: &TracedScene, pixel: [u32; 2]) {
+    let means = |isa| {
+        let (scene, accel) = (traced.scene(), traced.accel());
+        let beam = PixelBeam::new(scene, accel, pixel, Channel::Luminance).unwrap();
+        let beam = beam.with_isa(isa);
+        let mut all = Vec::new();
+        let never = AtomicBool::new(false);
+        for (sampler, n) in [(&Jittered as &dyn Sampler, 49), (&Jittered, 30), (&Random, 50)] {
+            let (sampler_id, seed) = (sampler.stream_id(), 5);
+            let key = StreamKey { seed, pixel, sampler: sampler_id, n_samples: n, trial: 0 };
+            let set = PointSet { key, dim: 2, scramble: Scramble::None, rectangular: true };
+            let mut means = vec![0.0; 21];
+            assert!(beam.trial_means(sampler, &set, 3, &mut means, &never));
+            all.extend(means);
+        }
+        all
+    };
+    let plain = means(Isa::BASELINE);
+    for isa in Isa::available() {
+        let case = format!("{}, {pixel:?}: {}", traced.scene().name, isa.name());
+        assert_eq!(means(isa), plain, "{case}");
     }
 }
 

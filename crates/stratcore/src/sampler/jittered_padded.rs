@@ -34,14 +34,12 @@ impl Sampler for JitteredPadded {
         Admissible::Cells.neighbours(n, dim.min(2))
     }
     fn strata(&self, n: u64, dim: usize) -> Option<Vec<u64>> {
-        // Those of each set, which are a grid of the whole only where there is one set.
-        let [columns, rows] = planar_strata(n);
-        let strata = (0..dim).map(|axis| match axis {
-            _ if axis + 1 == dim && axis % 2 == 0 => n,
-            _ if axis % 2 == 0 => columns,
-            _ => rows,
-        });
-        Some(strata.collect())
+        // A grid of the whole only where there is one set.
+        match dim {
+            1 => Some(vec![n]),
+            2 => Some(planar_strata(n).to_vec()),
+            _ => None,
+        }
     }
     fn construct(&self, set: &PointSet) -> Box<dyn Points> {
         let (n, stream) = (set.key.n_samples, set.key.stream());

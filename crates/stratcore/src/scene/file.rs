@@ -242,7 +242,8 @@ fn check_meshes(file: &Path, tables: &[MeshTable]) -> Result<(), SceneError> {
         ));
     }
     let mut seen = HashSet::new();
-    match tables.iter().find(|table| !seen.insert((&table.path, &table.builtin))) {
+    let place = |table: &MeshTable| table.motion.map(|motion| motion.map(f64::to_bits));
+    match tables.iter().find(|&table| !seen.insert((&table.path, &table.builtin, place(table)))) {
         Some(MeshTable { path, builtin, .. }) if path.is_some() != builtin.is_some() => {
             let name = path.as_ref().or(builtin.as_ref()).map_or("", String::as_str);
             fault(format!(

@@ -39,11 +39,12 @@ impl Fill {
 /// `crowd` facets or more are not cut any further.
 pub(super) fn start(pixel: &Pixel32, strata: &Strata, crowd: usize, work: &mut Work) {
     work.crowd = crowd;
-    let Work { entries, occluders, stack, tile, .. } = work;
+    let Work { entries, occluders, stack, tile, crowded, .. } = work;
     entries.clear();
     occluders.clear();
     stack.clear();
     *tile = None;
+    *crowded = None;
     for (facet, data) in (0..).zip(&pixel.facets) {
         let first = occluders.len() as u32;
         occluders.extend(data.occluders.clone());

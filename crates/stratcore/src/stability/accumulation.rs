@@ -1,5 +1,6 @@
 //! Sums of very many, very large, very small and very unequal values.
 
+use super::studio::larger;
 use super::{Bench, Family, Row};
 use crate::double::Double;
 use crate::error::StudyError;
@@ -271,9 +272,8 @@ fn merged(bench: &mut Bench<'_>) {
             if whole.count != values.len() as u64 {
                 return f64::INFINITY;
             }
-            worst = worst
-                .max((whole.variance / variance - 1.0).abs())
-                .max((whole.mean / mean - 1.0).abs());
+            worst = larger(worst, (whole.variance / variance - 1.0).abs());
+            worst = larger(worst, (whole.mean / mean - 1.0).abs());
         }
         worst
     };

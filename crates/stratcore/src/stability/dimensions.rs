@@ -1,5 +1,6 @@
 //! Points in very many dimensions.
 
+use super::studio::larger;
 use super::{Bench, Family, Row};
 use crate::double::Double;
 use crate::error::StudyError;
@@ -98,13 +99,16 @@ fn variances(bench: &mut Bench<'_>) -> Result<(), StudyError> {
     let mut rows = 0;
     for (dim, n) in sizes {
         bench.check()?;
-        let Ok(f) = by_name("ramp", Some(dim), &[]) else { continue };
+        let Ok(f) = by_name("ramp", Some(dim), &[]) else {
+            worst = f64::NAN;
+            continue;
+        };
         let plan = StudyPlan { counts: vec![n], ..plan.clone() };
         let result = study(&*f, [0, 0], &plan, Control::unwatched())?;
         let row = &result.samplers[0].rows[0];
         let exact = row.exact_variance.unwrap_or(f64::NAN);
         let z = (row.variance_of_mean / exact - 1.0) / (2.0 / f64::from(TRIALS - 1)).sqrt();
-        worst = if z.is_nan() { f64::NAN } else { worst.max(z.abs()) };
+        worst = larger(worst, z.abs());
         rows += 1;
     }
     bench.push(
@@ -206,7 +210,7 @@ fn halton(bench: &mut Bench<'_>) -> Result<(), StudyError> {
         for (index, point) in (first..).zip(run.chunks(dim)) {
             for (x, base) in point.iter().zip(&bases) {
                 let exact = mirrored(index, *base);
-                worst = worst.max((Double::from(*x) - exact).value().abs());
+                worst = larger(worst, (Double::from(*x) - exact).value().abs());
                 let x = f64::from(*x as f32);
                 single = single.max((Double::from(x) - exact).value().abs());
             }
@@ -273,7 +277,7 @@ fn many_coordinates(bench: &mut Bench<'_>) -> Result<(), StudyError> {
         for row in &sampler.rows {
             let z = (row.variance_of_mean * row.n_used as f64 - 1.0) / deviation;
             // Stratified along each axis, a sum has far less than random points give it.
-            worst = worst.max(if sampler.name == "random" { z.abs() } else { z });
+            worst = larger(worst, if sampler.name == "random" { z.abs() } else { z });
         }
     }
     bench.push(

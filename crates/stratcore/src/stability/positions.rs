@@ -1,6 +1,7 @@
 //! Where samples lie when strata are as fine as numbers are, and which variances are left of
 //! the scene when they are as small as rounding.
 
+use super::studio::larger;
 use super::{Bench, Family, Row};
 use crate::double::{Double, two_product};
 use crate::error::StudyError;
@@ -263,9 +264,9 @@ fn small_variances(bench: &mut Bench<'_>) -> Result<(), StudyError> {
             if column == 1 {
                 rows += 1;
                 if truth >= 1e-30 {
-                    worst = worst.max(off(reported));
-                    plain_worst = plain_worst.max(off(variance_of(&plains)));
-                    single_worst = single_worst.max(off(variance_of(&singles)));
+                    worst = larger(worst, off(reported));
+                    plain_worst = larger(plain_worst, off(variance_of(&plains)));
+                    single_worst = larger(single_worst, off(variance_of(&singles)));
                     zeros_above += u32::from(reported == 0.0);
                 }
                 if truth < EXACT / 10.0 {

@@ -145,7 +145,7 @@ fn moved(bench: &mut Bench<'_>) -> Result<(), StudyError> {
         let found = picture(bench, mesh.clone(), camera);
         let off = [0, 1].map(|t| farthest(&found[t], &reference[t]));
         for (worst, off) in worst.iter_mut().zip(off) {
-            *worst = worst.max(off);
+            *worst = larger(*worst, off);
         }
         let (mesh, camera) = as_f32(&mesh, &camera);
         // At 1e7 the eye is where it looks: there is no picture.
@@ -241,7 +241,7 @@ fn wall_errors(scene: &Scene, pixel: [u32; 2]) -> [[f64; 2]; 2] {
         traced.pixel(pixel, Channel::Luminance).eval_block(points.as_flattened(), &mut found);
         let off = found.iter().zip(&exact).map(|(a, b)| (a / b - 1.0).abs());
         let variance = Moments::of(&found).variance;
-        [off.fold(0.0, f64::max), (variance / spread - 1.0).abs()]
+        [off.fold(0.0, larger), (variance / spread - 1.0).abs()]
     })
 }
 

@@ -209,7 +209,7 @@ fn write_picture(set: &TileSet, header: &Header, output: &Output, points: bool) 
     let (on_disk, drawing) = both(
         || {
             tables.iter_mut().try_for_each(TableFile::flush)?;
-            file.file().sync_data()
+            file.sync()
         },
         || overview.draw(plan, &summary).to_png(PNG_SCALE),
     );
@@ -259,7 +259,7 @@ impl TableFile {
 
     fn flush(&mut self) -> io::Result<()> {
         self.out.flush()?;
-        self.file.file().sync_data()
+        self.file.sync()
     }
 
     fn finish(mut self) -> Result<PathBuf> {

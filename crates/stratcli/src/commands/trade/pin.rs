@@ -49,9 +49,12 @@ mod tests {
     fn a_thread_is_on_its_core_alone_and_free_again_afterwards() {
         let before = sched_getaffinity(None).unwrap();
         let pinned = to_one_core();
-        let during = sched_getaffinity(None).unwrap();
-        assert_eq!(during.count(), 1);
-        assert!(during.is_set(pinned.core.unwrap()) && sched_getcpu() == pinned.core.unwrap());
+        // A system may refuse; the thread is then as free as it was.
+        if let Some(core) = pinned.core {
+            let during = sched_getaffinity(None).unwrap();
+            assert_eq!(during.count(), 1);
+            assert!(during.is_set(core) && sched_getcpu() == core);
+        }
         drop(pinned);
         assert!(sched_getaffinity(None).unwrap() == before);
     }
