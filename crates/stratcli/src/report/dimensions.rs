@@ -129,8 +129,12 @@ pub fn text(document: &Document) -> String {
     for test in failures(document) {
         text += &format!("fails: {}\n", reason(test));
     }
-    text + &document.summary() + "\n"
+    text + HELD + "\n" + &document.summary() + "\n"
 }
+
+/// Against what a row is held: a limit may lie far beyond the N tried.
+const HELD: &str = "held: p and each variance against those found without trials; padded and oa \
+                    by the variance that they leave, sobol by its bound";
 
 fn failures(document: &Document) -> impl Iterator<Item = &Finding> {
     let of_pixels = document.pixels.iter().flat_map(|p| p.samplers.iter().map(|row| &row.test));
@@ -260,7 +264,7 @@ pub fn render(document: &Document, figures: &[Figure], report: bool) -> String {
                 @if !document.complete {
                     p.warning { "This page is not complete: what is missing was not finished." }
                 }
-                p { strong { (document.summary()) "." } }
+                p { strong { (document.summary()) "." } " " (HELD) "." }
                 h2 { "Every combination" }
                 (overview(document))
                 (rule(document))
