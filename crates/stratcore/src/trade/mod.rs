@@ -146,7 +146,7 @@ pub fn trade(
     }
     let dim = first.integrand.dim();
     let counts = plan.study.counts_used(dim)?;
-    let references = references(subjects, &plan.study, control)?;
+    let mut references = references(subjects, &plan.study, control)?;
     let studies: Vec<StudyResult> = subjects
         .par_iter()
         .map(|subject| study(subject.integrand, subject.pixel, &plan.study, control))
@@ -170,10 +170,15 @@ pub fn trade(
         .map(|&target| {
             let absolute = target.absolute(mean.mean);
             let mut choice = choice::choose(target, absolute, &samplers, &plan.study, dim);
-            // Sharper for this target alone: none depends on which others were asked for.
-            let mut sharp = references.clone();
-            beyond::secure(&mut choice, &samplers, subjects, &mut sharp, &plan.study, control)?;
-            choice::confirm(&mut choice, subjects, &sharp, &plan.study, control)?;
+            beyond::secure(
+                &mut choice,
+                &samplers,
+                subjects,
+                &mut references,
+                &plan.study,
+                control,
+            )?;
+            choice::confirm(&mut choice, subjects, &references, &plan.study, control)?;
             Ok(choice)
         })
         .collect::<Result<_, StudyError>>()?;
@@ -182,7 +187,7 @@ pub fn trade(
         subjects: subjects.len(),
         seed: plan.study.seed,
         trials: plan.study.n_trials,
-        reference: mean,
+        reference: mean_reference(&references),
         eval_cost: plan.eval_cost,
         timing,
         samplers,
