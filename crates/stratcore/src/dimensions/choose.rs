@@ -48,6 +48,15 @@ struct Look {
 const MOST_FEATURES: usize = 6;
 const SHARE_OF_USE: f64 = 0.01;
 
+/// `side` × `side` pixels, evenly over the picture, row by row.
+pub(super) fn lattice(scene: &TracedScene, side: u32) -> Vec<[u32; 2]> {
+    let [width, height] = scene.scene().camera.resolution;
+    let at = |i: u32, size: u32| (2 * i + 1) * size / (2 * side);
+    (0..side)
+        .flat_map(|row| (0..side).map(move |column| [at(column, width), at(row, height)]))
+        .collect()
+}
+
 /// The lattice's pixels that may be of this kind, the best first.
 ///
 /// # Errors
@@ -57,12 +66,7 @@ pub(super) fn candidates(
     seed: u64,
     control: Control<'_>,
 ) -> Result<impl Fn(Kind) -> Vec<[u32; 2]> + use<>, StudyError> {
-    let [width, height] = scene.scene().camera.resolution;
-    let at = |i: u32, size: u32| (2 * i + 1) * size / (2 * LATTICE);
-    let lattice = (0..LATTICE)
-        .flat_map(|row| (0..LATTICE).map(move |column| [at(column, width), at(row, height)]))
-        .collect();
-    let looks = collect(lattice, |pixel| look(scene, pixel, seed, control))?;
+    let looks = collect(lattice(scene, LATTICE), |pixel| look(scene, pixel, seed, control))?;
     Ok(move |kind| {
         let merit = |look: &Look| {
             let used = SHARE_OF_USE * look.variance;

@@ -1,6 +1,7 @@
 //! Which classes of pixel a picture has, and which way their samples take.
 
 use super::choose::codimension;
+use super::choose::lattice;
 use super::draw::Draws;
 use super::needs::is_smooth;
 use crate::error::StudyError;
@@ -25,12 +26,7 @@ pub fn survey(
     control: Control<'_>,
 ) -> Result<Vec<(Class, Path, u32)>, StudyError> {
     const PAIRS: u32 = 512;
-    let [width, height] = scene.scene().camera.resolution;
-    let at = |i: u32, size: u32| (2 * i + 1) * size / (2 * SURVEYED);
-    let pixels = (0..SURVEYED)
-        .flat_map(|row| (0..SURVEYED).map(move |column| [at(column, width), at(row, height)]))
-        .collect();
-    let seen = collect(pixels, |pixel| {
+    let seen = collect(lattice(scene, SURVEYED), |pixel| {
         let integrand = scene.pixel(pixel, Channel::Luminance);
         let draws = Draws { integrand: &integrand, seed, pixel, control };
         let dim = integrand.dim();
