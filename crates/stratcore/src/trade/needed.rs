@@ -122,12 +122,16 @@ pub struct Flatness {
 /// Fresh estimates of each pixel: an RMS error is then known to 9 %.
 const PROOF_TRIALS: u32 = 64;
 
+/// Most pixels over all maps: with the picture that shows them 200 MB.
+const MAX_PIXELS: u64 = 1 << 21;
+
 /// Measures every pixel's need under each sampler, then renders with that map and with uniform
 /// spp, and measures the errors of both. `control.progress` is told of each pixel twice for each
 /// sampler: measured, and proved.
 ///
 /// # Errors
-/// As [`study`]; [`StudyError::EmptyPlan`] where there is nothing to be measured.
+/// As [`study`]; [`StudyError::EmptyPlan`] where there is nothing to be measured;
+/// [`StudyError::PictureTooLarge`] beyond 2^21 pixels over all samplers.
 pub fn needed(
     scene: &TracedScene,
     channel: Channel,
@@ -135,6 +139,10 @@ pub fn needed(
     control: Control<'_>,
 ) -> Result<Needed, StudyError> {
     let [width, height] = scene.scene().camera.resolution;
+    let copies = plan.study.samplers.len() as u64;
+    if (u64::from(width) * u64::from(height)).saturating_mul(copies) > MAX_PIXELS {
+        return Err(StudyError::PictureTooLarge { width, height, copies, limit: MAX_PIXELS });
+    }
     let pixels: Vec<[u32; 2]> = (0..height).flat_map(|y| (0..width).map(move |x| [x, y])).collect();
     let largest = *plan.study.counts.iter().max().ok_or(StudyError::EmptyPlan("counts"))?;
     let silent = Control { progress: &|_| (), ..control };
