@@ -6,12 +6,13 @@
 mod catalogue;
 mod checkerboard;
 mod disk;
+mod disks;
 mod exact;
 mod form_factor;
-mod form_factors;
 mod half_space;
 mod koch;
 mod linear;
+mod perpendicular;
 mod product;
 pub(crate) mod quadrature;
 mod step;

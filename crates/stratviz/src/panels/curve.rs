@@ -7,6 +7,7 @@ use crate::state::State;
 use crate::words;
 use eframe::egui::{self, Color32, Grid, RichText, Ui, vec2};
 use stratcli::table::{short, with_error};
+use stratcore::dimensions::Bound;
 use stratcore::study::SamplerResult;
 
 /// Draws the studies of the pixels.
@@ -115,7 +116,8 @@ fn row(ui: &mut Ui, sampler: &SamplerResult, study: Option<usize>, kept: Option<
         (None, true) => "exact".to_owned(),
         (None, false) => "no fit".to_owned(),
     });
-    ui.label(sampler.predicted.map_or_else(dash, |p| format!("p = {}", short(p, 4))));
+    let sign = if sampler.predicted_bound == Some(Bound::AtLeast) { ">=" } else { "=" };
+    ui.label(sampler.predicted.map_or_else(dash, |p| format!("p {sign} {}", short(p, 4))));
     ui.label(match (sampler.class, sampler.class_is_sure) {
         (Some(class), true) => class.to_string(),
         (Some(class), false) => format!("{class}?"),
