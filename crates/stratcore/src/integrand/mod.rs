@@ -14,6 +14,7 @@ mod koch;
 mod linear;
 mod product;
 pub(crate) mod quadrature;
+mod rough_edge;
 mod step;
 #[cfg(test)]
 mod test_support;
