@@ -4,7 +4,7 @@
 
 use super::{
     Integrand, checkerboard, disk, disks, form_factor, half_space, koch, linear, perpendicular,
-    product, step,
+    product, rough_edge, step,
 };
 
 /// Every closed-form integrand, in the order in which they are listed.
@@ -19,6 +19,7 @@ pub const CATALOGUE: &[IntegrandInfo] = &[
     product::MULTILINEAR,
     checkerboard::CHECKERBOARD,
     koch::KOCH,
+    rough_edge::ROUGH_EDGE,
     form_factor::FORM_FACTOR,
     perpendicular::PERPENDICULAR,
     disks::DISKS,

@@ -15,6 +15,7 @@ mod linear;
 mod perpendicular;
 mod product;
 pub(crate) mod quadrature;
+mod rough_edge;
 mod step;
 #[cfg(test)]
 mod test_support;
