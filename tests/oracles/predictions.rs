@@ -6,44 +6,37 @@ use stratcore::scene::{Channel, load};
 use stratcore::study::{Control, ExactStudy, SamplerChoice, StudyPlan};
 use stratcore::trace::TracedScene;
 
+/// Pixels of the target and of the room under a point of light, 64 each, without a random number
+/// on the measured side: p of `jittered` between N = 32² and 64² lies on the side of 7/4 that was
+/// predicted. Not held to it are pixels that meet an edge along the axes, whose variance wanders
+/// with k, and those on whose jumps noise leaves a doubt: a tenth of them at most.
 #[test]
 fn pixels_converge_as_their_axes_predict() {
-    for name in ["classic", "classic-shadows", "edges", "grass", "room-point"] {
+    let (mut agree, mut others) = (0, Vec::new());
+    for name in ["edges", "room-point"] {
         let scene = TracedScene::new(load(name).unwrap());
         let plan = StudyPlan {
             samplers: vec![SamplerChoice::JITTERED],
-            counts: vec![32u64.pow(2), 64u64.pow(2), 128u64.pow(2)],
+            counts: vec![32u64.pow(2), 45u64.pow(2), 64u64.pow(2)],
             ..StudyPlan::paper()
         };
         let exact = ExactStudy::new(&plan, TOLERANCE).unwrap();
-        let (mut all, mut open, mut lines) = (0, 0, Vec::new());
-        for pixel in (8..256).step_by(16).flat_map(|x| (8..256).step_by(16).map(move |y| [x, y])) {
+        for pixel in (24..256).step_by(32).flat_map(|x| (24..256).step_by(32).map(move |y| [x, y]))
+        {
             let integrand = scene.pixel(pixel, Channel::Luminance);
             let mut result = exact.pixel(&integrand, pixel, Control::unwatched()).unwrap();
-            if result.samplers[0].unresolved.is_some() || result.samplers[0].exact {
+            let open = result.samplers[0].unresolved.is_some() || result.samplers[0].exact;
+            if open {
                 continue;
             }
             predict_pixel(&mut result, &integrand, Control::unwatched()).unwrap();
             let sampler = &result.samplers[0];
-            all += 1;
-            let Some(predicted) = sampler.predicted else {
-                open += 1;
-                continue;
-            };
             let p = sampler.fit.unwrap().exponent;
-            lines.push((predicted, p, pixel));
-        }
-        for predicted in [1.0, 1.5, 2.0] {
-            let mut found: Vec<_> = lines.iter().filter(|l| l.0 == predicted).collect();
-            found.sort_by(|a, b| a.1.total_cmp(&b.1));
-            let worst: Vec<_> = found
-                .iter()
-                .rev()
-                .take(6)
-                .chain(found.iter().take(6))
-                .map(|l| (l.1, l.2))
-                .collect();
-            eprintln!("{name}: {all} ({open} open), {predicted}: {} {worst:?}", found.len());
+            match sampler.predicted {
+                Some(predicted) if (predicted < 1.75) == (p < 1.75) => agree += 1,
+                predicted => others.push((name, pixel, predicted, p)),
+            }
         }
     }
+    assert!(agree >= 60 && 10 * others.len() <= agree, "{agree} agree; {others:?}");
 }
