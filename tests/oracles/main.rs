@@ -8,6 +8,7 @@
 mod filters;
 mod mitsuba;
 mod paths;
+mod predictions;
 
 use std::f64::consts::PI;
 use std::path::Path;

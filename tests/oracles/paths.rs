@@ -87,7 +87,7 @@ fn fresnel(angle: f64, index: f64) -> f64 {
 #[test]
 fn glass_bends_an_edge() {
     const INDEX: f64 = 1.5;
-    let walls = format!("usemtl m\n{}usemtl lamp\n{}", wall(900.0, -5.0, 1), wall(4.0, -10.0, 5));
+    let walls = format!("usemtl m\n{}usemtl lamp\n{}", wall(900.0, -5.0, 1), wall(3.5, -10.0, 5));
     let mtl = format!("{LAMP}newmtl m\nKd 0 0 0\nNi {INDEX}\nillum 7\n");
     let glass = scene(&(along_z() + PATHS), &walls, &mtl);
     for pixel in [[11, 8], [11, 2]] {
@@ -98,7 +98,7 @@ fn glass_bends_an_edge() {
                 let angle = x.hypot(y).atan();
                 let bent = (angle.sin() / INDEX).asin().tan() / x.hypot(y);
                 let seen = 5.0 * x + 5.0 * x * bent;
-                if seen < 4.0 { 1.0 - fresnel(angle, INDEX) } else { 0.0 }
+                if seen < 3.5 { 1.0 - fresnel(angle, INDEX) } else { 0.0 }
             })
         });
         assert!(exact > 0.2 && exact < 0.8, "{exact}");

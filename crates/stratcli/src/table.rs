@@ -276,12 +276,12 @@ fn reading(sampler: &SamplerResult) -> String {
     }
     if let Some(p) = sampler.predicted {
         let sign = if sampler.predicted_bound == Some(Bound::AtLeast) { ">=" } else { "=" };
-        let known = match sampler.predicted_from {
-            Some(Basis::Axes) => "; from the axes that it needs, for large N",
-            _ => "",
+        let [when, whence] = match sampler.predicted_from {
+            Some(Basis::Axes) => [" for large N", "; from the pixel's axes, not from these trials"],
+            _ => ["", ""],
         };
         let source = sampler.predicted_source.unwrap_or_default();
-        let _ = writeln!(text, "  predicted: p {sign} {} ({source}{known})", short(p, 5));
+        let _ = writeln!(text, "  predicted: p {sign} {}{when} ({source}{whence})", short(p, 5));
     }
     text
 }

@@ -71,6 +71,7 @@ pub struct PixelFrame {
 
 impl PixelFrame {
     /// Direction at an offset.
+    #[inline]
     pub fn direction(&self, u: f64, v: f64) -> DVec3 {
         self.d0 + self.du * u + self.dv * v
     }

@@ -33,7 +33,8 @@ pub(crate) struct At<'a> {
 impl Moment for At<'_> {
     #[inline(always)]
     fn corners(self, mesh: &Mesh, id: usize) -> [DVec3; 3] {
-        mesh.triangles[id]
-            .map(|i| mesh.positions[i as usize] + self.vertices[i as usize] * self.time)
+        let [a, b, c] = mesh.triangles[id];
+        let at = |i: u32| mesh.positions[i as usize] + self.vertices[i as usize] * self.time;
+        [at(a), at(b), at(c)]
     }
 }

@@ -57,7 +57,7 @@ impl Scatter for Direct {
     }
     #[inline(always)]
     fn radiance<M: Moment>(scene: &TracedScene, ray: &Ray, moment: M, _: &[f64], _: &[f64]) -> Rgb {
-        let Some(nearest) = scene.nearest(ray, None, moment) else {
+        let Some(nearest) = scene.nearest(ray, moment) else {
             return scene.scene().background;
         };
         let surface = Surface::new(scene, ray, &nearest, moment);
@@ -84,7 +84,7 @@ impl Scatter for WithAreaLights {
         lights: &[f64],
         _: &[f64],
     ) -> Rgb {
-        let Some(nearest) = scene.nearest(ray, None, moment) else {
+        let Some(nearest) = scene.nearest(ray, moment) else {
             return scene.scene().background;
         };
         let surface = Surface::new(scene, ray, &nearest, moment);
@@ -153,10 +153,11 @@ struct Branch<'a, M> {
 
 impl<M: Moment> Branch<'_, M> {
     fn follow(self, ray: &Ray, from: Option<u32>) -> Rgb {
-        let Some(nearest) = self.scene.nearest(ray, from, self.moment) else {
-            return self.scene.scene().background;
+        let nearest = match from {
+            None => self.scene.nearest(ray, self.moment),
+            Some(start) => self.scene.nearest_from(ray, start, self.moment),
         };
-        self.outgoing(ray, &nearest)
+        nearest.map_or(self.scene.scene().background, |nearest| self.outgoing(ray, &nearest))
     }
 
     fn outgoing(self, ray: &Ray, nearest: &Nearest) -> Rgb {

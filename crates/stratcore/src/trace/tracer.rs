@@ -102,7 +102,7 @@ impl TracedScene {
 
     /// The nearest triangle; the lowest index where two are exactly as near.
     pub fn closest_hit(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
-        self.nearest(&Ray { origin, direction }, None, Still).map(|nearest| nearest.hit())
+        self.nearest(&Ray { origin, direction }, Still).map(|nearest| nearest.hit())
     }
 
     /// The same answer from a loop over all triangles: what the BVH is tested against.
@@ -123,8 +123,9 @@ impl TracedScene {
         self.blocks(&Ray { origin, direction }, t_max, skip, Still)
     }
 
-    /// [`TracedScene::occluded`] at a moment.
-    #[inline]
+    /// [`TracedScene::occluded`] at a moment. Never a part of its caller, for what a headlight
+    /// does not need would take room there.
+    #[inline(never)]
     pub(super) fn blocks<M: Moment>(
         &self,
         ray: &Ray,
@@ -161,9 +162,26 @@ impl TracedScene {
         Direct::radiance(self, &Ray { origin, direction }, Still, &[], &[])
     }
 
-    /// The nearest triangle at a moment, other than the one that the ray starts on.
-    #[inline]
-    pub(super) fn nearest<M: Moment>(
+    /// The nearest triangle at a moment. Never a part of its caller: beside what shades a hit
+    /// the walk would have fewer registers.
+    #[inline(never)]
+    pub(super) fn nearest<M: Moment>(&self, ray: &Ray, moment: M) -> Option<Nearest> {
+        self.nearest_besides(ray, None, moment)
+    }
+
+    /// The same, other than the triangle that the ray starts on.
+    #[inline(never)]
+    pub(super) fn nearest_from<M: Moment>(
+        &self,
+        ray: &Ray,
+        start: u32,
+        moment: M,
+    ) -> Option<Nearest> {
+        self.nearest_besides(ray, Some(start), moment)
+    }
+
+    #[inline(always)]
+    fn nearest_besides<M: Moment>(
         &self,
         ray: &Ray,
         skip: Option<u32>,

@@ -33,7 +33,8 @@ impl Ray {
     /// Where the ray meets the triangle; none for a degenerate one.
     #[inline]
     pub fn meets(&self, corners: [DVec3; 3]) -> Option<Crossing> {
-        let [a, b, c] = corners.map(|p| p - self.origin);
+        let [a, b, c] = corners;
+        let (a, b, c) = (a - self.origin, b - self.origin, c - self.origin);
         let d = self.direction;
         let bc = edge(d, b, c);
         let ca = edge(d, c, a);
