@@ -77,7 +77,8 @@ impl Palette {
 }
 
 fn row<'a>(entry: &'a Entry, is_marked: bool, width: f32) -> Button<'a> {
-    let about = RichText::new(&entry.about).weak().small();
+    let about = RichText::new(&entry.about).size(11.0);
+    let about = if is_marked { about } else { about.weak() };
     let row = Button::selectable(is_marked, (RichText::new(&entry.name), about));
     row.shortcut_text(&entry.keys).truncate().min_size(egui::vec2(width, 0.0))
 }
