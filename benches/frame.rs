@@ -9,7 +9,8 @@ use eframe::egui::{Context, Event, Key, Modifiers, RawInput, Rect, pos2, vec2};
 use std::io::{Write, stdout};
 use std::sync::{Arc, mpsc};
 use std::time::{Duration, Instant};
-use stratviz::app::{App, thread_cpu_time};
+use stratviz::app::App;
+use stratviz::clock::thread_cpu_time;
 use stratviz::command::Command;
 use stratviz::jobs::Wake;
 use stratviz::model::Progress;
@@ -164,5 +165,6 @@ fn main() -> std::io::Result<()> {
     clicks("an edge, by beam", "edges", [216, 24], false)?;
     clicks("the same while the picture is rendered", "edges", [216, 24], true)?;
     clicks("grass, by beam", "grass", [128, 180], false)?;
+    clicks("mirrors, by rays", "classic-mirrors", [128, 150], false)?;
     clicks("a room in seven dimensions, by rays", "room-all", [150, 190], false)
 }

@@ -3,6 +3,7 @@
 mod obey;
 
 use crate::actions::Now;
+use crate::clock::thread_cpu_time;
 use crate::command::Command;
 use crate::jobs::Wake;
 use crate::keys;
@@ -179,10 +180,4 @@ impl eframe::App for App {
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         eframe::set_value(storage, eframe::APP_KEY, &self.state);
     }
-}
-
-/// CPU time that this thread has used, where the system tells (Linux: proc(5), `schedstat`).
-pub fn thread_cpu_time() -> Option<Duration> {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    Some(Duration::from_nanos(text.split_whitespace().next()?.parse().ok()?))
 }

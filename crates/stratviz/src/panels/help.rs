@@ -26,7 +26,7 @@ pub fn ui(ctx: &Context) -> bool {
     window.open(&mut open).anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0]).show(ctx, |ui| {
         let room = ctx.content_rect().size() - vec2(60.0, 150.0);
         ui.set_width(room.x.min(WIDTH));
-        ScrollArea::vertical().max_height(room.y).show(ui, |ui| {
+        ScrollArea::vertical().max_height(room.y).min_scrolled_height(room.y).show(ui, |ui| {
             ui.horizontal_top(|ui| {
                 for menus in COLUMNS {
                     ui.vertical(|ui| column(ui, menus));

@@ -26,9 +26,11 @@ impl Palette {
             ui.set_width(WIDTH);
             self.field(ui);
             let height = ctx.content_rect().height() - 200.0;
-            egui::ScrollArea::vertical().max_height(height).auto_shrink([false, true]).show(
-                ui,
-                |ui| {
+            egui::ScrollArea::vertical()
+                .max_height(height)
+                .min_scrolled_height(height)
+                .auto_shrink([false, true])
+                .show(ui, |ui| {
                     for (i, entry) in found.iter().enumerate() {
                         let response = ui.add(row(entry, i == self.marked, WIDTH));
                         if moved && i == self.marked {
@@ -41,8 +43,7 @@ impl Palette {
                     if found.is_empty() {
                         ui.weak("No command has these words; Backspace takes some away.");
                     }
-                },
-            );
+                });
         });
         if let Some(entry) = chosen {
             return Some(Answer::Do(entry.command.clone()));
