@@ -93,6 +93,11 @@ impl Action {
         self.place(ui, now, Button::new(self.name), self.hint(now.state.page))
     }
 
+    /// A button that stays pressed while something is on.
+    pub fn switch(&self, ui: &mut Ui, now: &Now<'_>, is_on: bool) -> Option<Command> {
+        self.place(ui, now, Button::new(self.name).selected(is_on), self.hint(now.state.page))
+    }
+
     /// An entry of a menu.
     pub fn menu_entry(&self, ui: &mut Ui, now: &Now<'_>) -> Option<Command> {
         let button = Button::new(self.name).shortcut_text(self.keys(Some(now.state.page)));
@@ -177,13 +182,13 @@ table! {
         |now| steps::move_pixel(now, [0, -1]);
     DOWN, Study, "Pixel down", "study the pixel below", [key(Key::ArrowDown)],
         |now| steps::move_pixel(now, [0, 1]);
-    FAR_LEFT, Study, "10 left", "study the 10th pixel to the left", [shift(Key::ArrowLeft)],
+    FAR_LEFT, Study, "10 pixels left", "study the 10th pixel to the left", [shift(Key::ArrowLeft)],
         |now| steps::move_pixel(now, [-10, 0]);
-    FAR_RIGHT, Study, "10 right", "study the 10th pixel to the right", [shift(Key::ArrowRight)],
+    FAR_RIGHT, Study, "10 pixels right", "study the 10th pixel to the right", [shift(Key::ArrowRight)],
         |now| steps::move_pixel(now, [10, 0]);
-    FAR_UP, Study, "10 up", "study the 10th pixel above", [shift(Key::ArrowUp)],
+    FAR_UP, Study, "10 pixels up", "study the 10th pixel above", [shift(Key::ArrowUp)],
         |now| steps::move_pixel(now, [0, -10]);
-    FAR_DOWN, Study, "10 down", "study the 10th pixel below", [shift(Key::ArrowDown)],
+    FAR_DOWN, Study, "10 pixels down", "study the 10th pixel below", [shift(Key::ArrowDown)],
         |now| steps::move_pixel(now, [0, 10]);
 
     FIT, Picture, "Fit", "show the whole picture", [key(Key::F)], |_| Some(Command::Look(Look::Fit));
@@ -251,7 +256,11 @@ table! {
         |now| Some(Command::SetDark(!now.state.dark));
     PALETTE, View, "Commands…", "find any command by its name", [ctrl_shift(Key::P)],
         |_| Some(Command::ShowPalette);
-    HELP, View, "Keys…", "list every key", [key(Key::H), key(Key::F1)], |_| Some(Command::ShowHelp);
+    DISMISS, View, "Dismiss message", "take the message away", [key(Key::Escape)], |now| {
+        let is_any = now.model.notice.is_some() || now.model.scene_fault.is_some();
+        is_any.then_some(Command::Dismiss)
+    };
+    HELP, View, "Help", "list every key", [key(Key::H), key(Key::F1)], |_| Some(Command::ShowHelp);
 }
 
 fn is_busy(now: &Now<'_>) -> bool {

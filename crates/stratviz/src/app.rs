@@ -3,6 +3,7 @@
 mod obey;
 
 use crate::actions::Now;
+use crate::clock::thread_cpu_time;
 use crate::command::Command;
 use crate::jobs::Wake;
 use crate::keys;
@@ -13,7 +14,7 @@ use crate::panels::palette::Palette;
 use crate::panels::patterns::PatternsPanel;
 use crate::panels::picture::PicturePanel;
 use crate::panels::study::StudyPanel;
-use crate::panels::{curve, divider, help, theory, top, trade};
+use crate::panels::{curve, divider, help, notice, theory, top, trade};
 use crate::state::{Page, State};
 use crate::work::{Event, Work};
 use eframe::egui::{self, Context, Theme, Ui};
@@ -87,14 +88,19 @@ impl App {
         self.measure_frame(start);
         let theme = if self.state.dark { Theme::Dark } else { Theme::Light };
         ctx.set_theme(theme);
-        let mut commands: Vec<_> = keys::dropped_file(&ctx).into_iter().collect();
-        if self.over.is_none() {
+        if let Some(command) = keys::dropped_file(&ctx) {
+            self.apply(command, &ctx);
+        }
+        // One by one: a slow frame has several, and each starts from what the one before did.
+        for event in keys::pressed(&ctx) {
             let hovered = self.picture.hovered();
             let now = Now { state: &self.state, model: &self.model, hovered };
-            commands.extend(keys::commands(&ctx, &now));
+            let command = keys::command(&ctx, &event, &now).filter(|_| self.over.is_none());
+            if let Some(command) = command {
+                self.apply(command, &ctx);
+            }
         }
-        commands.extend(self.draw(ui));
-        for command in commands {
+        for command in self.draw(ui) {
             self.apply(command, &ctx);
         }
         if let (Some(start), Some(end)) = (start, thread_cpu_time()) {
@@ -136,6 +142,7 @@ impl App {
         if layout != state.layout {
             commands.push(Command::SetLayout(layout));
         }
+        commands.extend(notice::ui(ui.ctx(), now));
         let answer = match &mut self.over {
             Some(Over::Dialog(dialog)) => dialog.ui(ui.ctx()),
             Some(Over::Palette(palette)) => palette.ui(ui.ctx(), now),
@@ -173,10 +180,4 @@ impl eframe::App for App {
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         eframe::set_value(storage, eframe::APP_KEY, &self.state);
     }
-}
-
-/// CPU time that this thread has used, where the system tells (Linux: proc(5), `schedstat`).
-fn thread_cpu_time() -> Option<Duration> {
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    Some(Duration::from_nanos(text.split_whitespace().next()?.parse().ok()?))
 }

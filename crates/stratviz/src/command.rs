@@ -98,6 +98,8 @@ pub enum Command {
     ShowStrata(bool),
     /// Ask for a line of text.
     Ask(Question),
+    /// Take the message away.
+    Dismiss,
     /// Show every key.
     ShowHelp,
     /// Show every command.

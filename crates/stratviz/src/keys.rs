@@ -4,27 +4,25 @@ use crate::actions::{ALL, Now, Trigger};
 use crate::command::Command;
 use eframe::egui::{Context, Event};
 
-/// What the keys pressed in this frame ask for. A field that is typed into keeps its keys, a
-/// control that was reached by Tab the arrows, Space and Enter.
-pub fn commands(ctx: &Context, now: &Now<'_>) -> Vec<Command> {
-    let is_typing = ctx.text_edit_focused();
-    let is_in_control = ctx.memory(|memory| memory.focused()).is_some();
-    let command = |event: &Event| {
-        let pressed = Trigger::of(event)?;
-        let is_theirs = if is_typing {
-            !pressed.is_free_while_typing()
-        } else {
-            is_in_control && pressed.is_for_controls()
-        };
-        if is_theirs {
-            return None;
-        }
-        match event {
-            Event::Paste(text) => Some(Command::OpenLine(text.clone())),
-            _ => asked(&pressed, now),
-        }
+/// The events of this frame that may ask for something.
+pub fn pressed(ctx: &Context) -> Vec<Event> {
+    ctx.input(|input| input.events.iter().filter(|e| Trigger::of(e).is_some()).cloned().collect())
+}
+
+/// What one of them asks for. A field that is typed into keeps its keys, a control that was
+/// reached by Tab the arrows, Space and Enter.
+pub fn command(ctx: &Context, event: &Event, now: &Now<'_>) -> Option<Command> {
+    let pressed = Trigger::of(event)?;
+    let is_theirs = if ctx.text_edit_focused() {
+        !pressed.is_free_while_typing()
+    } else {
+        pressed.is_for_controls() && ctx.memory(|memory| memory.focused()).is_some()
     };
-    ctx.input(|input| input.events.iter().filter_map(command).collect())
+    match event {
+        _ if is_theirs => None,
+        Event::Paste(text) => Some(Command::OpenLine(text.clone())),
+        _ => asked(&pressed, now),
+    }
 }
 
 /// What a key asks for.

@@ -6,6 +6,7 @@
 
 pub mod actions;
 pub mod app;
+pub mod clock;
 pub mod command;
 pub mod export;
 pub mod jobs;

@@ -151,6 +151,17 @@ impl<T> Piece<T> {
     }
 }
 
+/// A curve of a sampler that is no longer studied.
+#[derive(Debug, Clone)]
+pub struct Kept {
+    /// The curve.
+    pub sampler: SamplerResult,
+    /// 95 % intervals of its variances, by row.
+    pub intervals: Vec<[f64; 2]>,
+    /// Its trials.
+    pub trials: u32,
+}
+
 /// The study of one pixel or integrand.
 #[derive(Debug, Clone, Default)]
 pub struct Study {
@@ -158,8 +169,10 @@ pub struct Study {
     pub pixel: [u32; 2],
     /// The result with the trials so far.
     pub result: Option<StudyResult>,
-    /// Curves of samplers that were studied before and are no longer, each with its trials.
-    pub kept: Vec<(SamplerResult, u32)>,
+    /// 95 % intervals of its variances, by sampler and row.
+    pub intervals: Vec<Vec<[f64; 2]>>,
+    /// Curves of samplers that were studied before and are no longer.
+    pub kept: Vec<Kept>,
     /// Whether it is under way.
     pub running: bool,
     /// Whether it was stopped by hand.
@@ -177,15 +190,25 @@ pub struct Study {
 }
 
 impl Study {
+    /// The curve of each sampler, with the 95 % intervals of its variances.
+    pub fn curves(&self) -> impl Iterator<Item = (&SamplerResult, &[[f64; 2]])> {
+        let samplers = self.result.iter().flat_map(|result| &result.samplers);
+        samplers.zip(self.intervals.iter().map(Vec::as_slice))
+    }
+
     /// A study that is about to begin in place of this one. Curves of samplers that are not in
     /// `samplers` stay where the `terms` are the same, so that they can be compared.
     pub fn successor(&self, pixel: [u32; 2], samplers: &[String], terms: String) -> Self {
         let mut kept = Vec::new();
         if self.pixel == pixel && self.terms == terms {
-            let result = self.result.iter();
-            let curves = result.flat_map(|r| r.samplers.iter().map(move |s| (s.clone(), r.trials)));
+            let trials = self.result.as_ref().map_or(0, |result| result.trials);
+            let curves = self.curves().map(|(sampler, intervals)| Kept {
+                sampler: sampler.clone(),
+                intervals: intervals.to_vec(),
+                trials,
+            });
             kept = curves.chain(self.kept.iter().cloned()).collect();
-            kept.retain(|(curve, _)| !samplers.iter().any(|name| is_named(curve, name)));
+            kept.retain(|kept| !samplers.iter().any(|name| is_named(&kept.sampler, name)));
         }
         Self { pixel, kept, running: true, terms, ..Self::default() }
     }
@@ -305,9 +328,11 @@ mod tests {
         let control = stratcore::study::Control::unwatched();
         let result = stratcore::study(&*integrand, [1, 2], &plan, control).unwrap();
         let terms = || "seed 1".to_owned();
-        let study =
-            Study { pixel: [1, 2], result: Some(result), terms: terms(), ..Study::default() };
-        let names = |study: &Study| study.kept.iter().map(|(s, _)| s.name).collect::<Vec<_>>();
+        let intervals = vec![Vec::new(); result.samplers.len()];
+        let result = Some(result);
+        let study = Study { pixel: [1, 2], result, intervals, terms: terms(), ..Study::default() };
+        let names =
+            |study: &Study| study.kept.iter().map(|kept| kept.sampler.name).collect::<Vec<_>>();
 
         let samplers = ["jittered".to_owned(), "sobol".to_owned()];
         let next = study.successor([1, 2], &samplers, terms());

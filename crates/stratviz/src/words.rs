@@ -86,6 +86,9 @@ pub fn count(n: f64) -> String {
 
 /// Samples that bring the standard error of one estimate down to `error`, by the fitted line.
 pub fn needed(sampler: &SamplerResult, error: f64) -> Option<f64> {
+    if sampler.exact {
+        return Some(1.0);
+    }
     let fit = sampler.fit?;
     samples_needed(fit.exponent, fit.log10_constant, error)
 }

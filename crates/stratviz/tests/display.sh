@@ -10,6 +10,7 @@ start_display() {
     trap stop EXIT
     read -r -t 60 number <&3
     export DISPLAY=:$number LIBGL_ALWAYS_SOFTWARE=1
+    until_it_holds xdotool getdisplaygeometry >/dev/null
 }
 
 stop() {
@@ -25,10 +26,11 @@ start_explorer() {
     window=$(xdotool search --name '^stratviz$' | head -n 1)
     # shellcheck disable=SC2046  # width and height
     xdotool windowmove "$window" 0 0 windowsize "$window" $(xdotool getdisplaygeometry)
-    xdotool windowfocus "$window"
+    # It takes the focus only once it is seen.
+    until_it_holds xdotool windowfocus "$window"
 }
 
-# Tries a command until it succeeds, for two minutes at the most.
+# Tries a command until it succeeds, for some minutes at the most.
 until_it_holds() {
     for _ in $(seq 600); do
         if "$@" 2>/dev/null; then return; fi

@@ -131,6 +131,7 @@ impl App {
             Command::Ask(question) => {
                 self.over = Some(Over::Dialog(Dialog::new(question, state)));
             }
+            Command::Dismiss => model.scene_fault = None,
             Command::ShowHelp => self.over = Some(Over::Help),
             Command::ShowPalette => self.over = Some(Over::Palette(Palette::default())),
             Command::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),

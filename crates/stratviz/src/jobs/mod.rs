@@ -15,7 +15,7 @@ pub use map::{MapJob, MapUpdate, Studied};
 pub use patterns::{DiscrepancyPlan, Drawn, PatternJob, SpectrumSoFar};
 pub use picture::{Patch, PictureJob};
 pub use scene::{Loaded, SceneJob};
-pub use study::{StudyJob, Subject, study_job};
+pub use study::{StudyJob, StudySoFar, Subject, study_job};
 pub use trade::{TradeJob, Traded, trade_job};
 pub use watch::WatchJob;
 

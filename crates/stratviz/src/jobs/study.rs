@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use stratcore::dimensions::{lacks_predictions, needs_of_pixel, predict_from};
 use stratcore::integrand::{self, Integrand, Regularity};
 use stratcore::scene::Channel;
-use stratcore::study::{Control, StudyPlan, StudyResult, Tightness, study_live, study_until};
+use stratcore::study::{Control, Row, StudyPlan, StudyResult, Tightness, study_live, study_until};
 use stratcore::trace::TracedScene;
 
 /// What is studied.
@@ -33,14 +33,26 @@ pub enum Subject {
     },
 }
 
-/// A result so far, and how long it took from the start.
-pub type StudyUpdate = Result<(StudyResult, Duration), String>;
+/// A result so far.
+#[derive(Debug, Clone)]
+pub struct StudySoFar {
+    /// With the trials so far.
+    pub result: StudyResult,
+    /// 95 % intervals of its variances, by sampler and row: a frame has no time to compute them.
+    pub intervals: Vec<Vec<[f64; 2]>>,
+    /// How long it took from the start.
+    pub time: Duration,
+}
+
+/// A result so far, or what is wrong.
+pub type StudyUpdate = Result<StudySoFar, String>;
 
 /// Sends results with ever more trials, or what is wrong with the plan.
 pub type StudyJob = Job<StudyUpdate>;
 
 /// Starts a study that ends when the 95 % interval of every exponent is within ± `until`, as
-/// `stratcli` takes `--until`, or with the plan's last trial; 0 makes them all. `plan_in` makes the plan for a subject of so many dimensions.
+/// `stratcli` takes `--until`, or with the plan's last trial; 0 makes them all. `plan_in` makes
+/// the plan for a subject of so many dimensions.
 pub fn study_job(
     subject: Subject,
     plan_in: impl Fn(usize) -> Result<StudyPlan, String> + Send + 'static,
@@ -52,7 +64,9 @@ pub fn study_job(
     let start = Instant::now();
     Job::spawn("study", wake, move |reporter| {
         let mut each = |result: StudyResult| {
-            reporter.send(Ok((result, start.elapsed())));
+            let rows = result.samplers.iter().map(|sampler| &sampler.rows);
+            let intervals = rows.map(|rows| rows.iter().map(Row::ci95).collect()).collect();
+            reporter.send(Ok(StudySoFar { result, intervals, time: start.elapsed() }));
             urgent.answered();
         };
         let mut run = |integrand: &dyn Integrand, pixel| {
@@ -130,14 +144,16 @@ mod tests {
     fn it_stops_where_the_command_line_does() {
         let (updates, standing) = run(integrand("disk"), 0.06);
         assert_eq!(standing, Standing::Done);
-        let (last, _) = updates.last().unwrap().as_ref().unwrap();
+        let last = updates.last().unwrap().as_ref().unwrap();
         let disk = by_name("disk", Some(2), &[]).unwrap();
         let plan = StudyPlan { n_trials: 400, ..StudyPlan::paper() };
         let until = Tightness::Exponent(0.06);
         let control = Control::unwatched();
         let (batch, stop) =
             study_until(&*disk, [0, 0], &plan, until, control, &mut |_| {}).unwrap();
-        assert_eq!(*last, batch);
+        assert_eq!(last.result, batch);
+        let shown = last.intervals[1][3];
+        assert_eq!(shown, batch.samplers[1].rows[3].ci95());
         assert_eq!(stop.reason, stratcore::study::StopReason::Sure);
     }
 
@@ -145,7 +161,7 @@ mod tests {
     fn all_trials_are_made_where_no_width_is_asked_for() {
         for name in ["disk", "constant"] {
             let (updates, _) = run(integrand(name), 0.0);
-            assert_eq!(updates.last().unwrap().as_ref().unwrap().0.trials, 400);
+            assert_eq!(updates.last().unwrap().as_ref().unwrap().result.trials, 400);
         }
     }
 

@@ -10,6 +10,9 @@ use stratcli::table::{short, with_error};
 use stratcore::dimensions::Bound;
 use stratcore::study::SamplerResult;
 
+/// Width of the column of measured exponents, in points.
+const MEASURED: f32 = 112.0;
+
 /// Draws the studies of the pixels.
 pub fn ui(ui: &mut Ui, now: &Now<'_>) -> Option<Command> {
     let Now { state, model, .. } = *now;
@@ -86,8 +89,8 @@ pub fn exponents(ui: &mut Ui, studies: &[&Study], error: f64) {
             for sampler in current {
                 row(ui, sampler, key, None, error);
             }
-            for (sampler, trials) in &study.kept {
-                row(ui, sampler, key, Some(*trials), error);
+            for kept in &study.kept {
+                row(ui, &kept.sampler, key, Some(kept.trials), error);
             }
         }
     });
@@ -110,10 +113,14 @@ fn row(ui: &mut Ui, sampler: &SamplerResult, study: Option<usize>, kept: Option<
         }
         ui.label(name);
     });
-    ui.strong(match (&sampler.fit, sampler.exact) {
-        (Some(fit), _) => format!("p = {}", with_error(fit.exponent, fit.std_error)),
-        (None, true) => "exact".to_owned(),
-        (None, false) => "no fit".to_owned(),
+    ui.horizontal(|ui| {
+        // Its digits change while trials come in; the columns beside it stay where they are.
+        ui.set_min_width(MEASURED);
+        ui.strong(match (&sampler.fit, sampler.exact) {
+            (Some(fit), _) => format!("p = {}", with_error(fit.exponent, fit.std_error)),
+            (None, true) => "exact".to_owned(),
+            (None, false) => "no fit".to_owned(),
+        });
     });
     let sign = if sampler.predicted_bound == Some(Bound::AtLeast) { ">=" } else { "=" };
     ui.label(sampler.predicted.map_or_else(dash, |p| format!("p {sign} {}", short(p, 4))));

@@ -1,7 +1,7 @@
 //! The help overlay: every key, as the table of actions has them.
 
 use crate::actions::Menu;
-use eframe::egui::{self, Context, Grid, Key, RichText, ScrollArea, Ui};
+use eframe::egui::{self, Context, Grid, Key, RichText, ScrollArea, Ui, vec2};
 
 /// What the pointer does, which no key does.
 const POINTER: &[(&str, &str)] = &[
@@ -16,12 +16,17 @@ const POINTER: &[(&str, &str)] = &[
 const COLUMNS: [&[Menu]; 3] =
     [&[Menu::File, Menu::View], &[Menu::Study], &[Menu::Picture, Menu::Points]];
 
+/// Its width, in points, where there is room.
+const WIDTH: f32 = 860.0;
+
 /// Draws the overlay; false when it is to go.
 pub fn ui(ctx: &Context) -> bool {
     let mut open = true;
     let window = egui::Window::new("Keys").collapsible(false).resizable(false);
     window.open(&mut open).anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0]).show(ctx, |ui| {
-        ScrollArea::both().max_height(ctx.content_rect().height() - 150.0).show(ui, |ui| {
+        let room = ctx.content_rect().size() - vec2(60.0, 150.0);
+        ui.set_width(room.x.min(WIDTH));
+        ScrollArea::vertical().max_height(room.y).min_scrolled_height(room.y).show(ui, |ui| {
             ui.horizontal_top(|ui| {
                 for menus in COLUMNS {
                     ui.vertical(|ui| column(ui, menus));

@@ -112,9 +112,8 @@ fn controls(ui: &mut Ui, now: &Now<'_>, words: &mut InsideWords) -> Option<Comma
         shown.response.on_hover_text(NEXT_SAMPLER.hint(page));
         let label = ui.label("trial");
         ui.add(DragValue::new(&mut words.trial)).labelled_by(label.id);
-        for action in [NEXT_TRIAL, STRATA] {
-            command = command.take().or(action.button(ui, now));
-        }
+        command = command.take().or(NEXT_TRIAL.button(ui, now));
+        command = command.take().or(STRATA.switch(ui, now, now.state.strata));
     });
     let steps: Vec<_> = counts().collect();
     let mut at = steps.partition_point(|n| *n < words.n).min(steps.len() - 1);

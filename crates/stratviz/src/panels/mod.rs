@@ -9,6 +9,7 @@ pub mod divider;
 pub mod help;
 pub mod inside;
 pub mod legend;
+pub mod notice;
 pub mod numbers;
 pub mod palette;
 pub mod patterns;

@@ -26,9 +26,11 @@ impl Palette {
             ui.set_width(WIDTH);
             self.field(ui);
             let height = ctx.content_rect().height() - 200.0;
-            egui::ScrollArea::vertical().max_height(height).auto_shrink([false, true]).show(
-                ui,
-                |ui| {
+            egui::ScrollArea::vertical()
+                .max_height(height)
+                .min_scrolled_height(height)
+                .auto_shrink([false, true])
+                .show(ui, |ui| {
                     for (i, entry) in found.iter().enumerate() {
                         let response = ui.add(row(entry, i == self.marked, WIDTH));
                         if moved && i == self.marked {
@@ -41,8 +43,7 @@ impl Palette {
                     if found.is_empty() {
                         ui.weak("No command has these words; Backspace takes some away.");
                     }
-                },
-            );
+                });
         });
         if let Some(entry) = chosen {
             return Some(Answer::Do(entry.command.clone()));
@@ -77,7 +78,8 @@ impl Palette {
 }
 
 fn row<'a>(entry: &'a Entry, is_marked: bool, width: f32) -> Button<'a> {
-    let about = RichText::new(&entry.about).weak().small();
+    let about = RichText::new(&entry.about).size(11.0);
+    let about = if is_marked { about } else { about.weak() };
     let row = Button::selectable(is_marked, (RichText::new(&entry.name), about));
     row.shortcut_text(&entry.keys).truncate().min_size(egui::vec2(width, 0.0))
 }

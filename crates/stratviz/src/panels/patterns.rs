@@ -108,7 +108,7 @@ impl PatternsPanel {
         });
         shown.response.on_hover_text("the discrepancy that is measured");
         self.counts.ui(ui, "at N", "2..16^2", &mut words.counts);
-        command.or(STRATA.button(ui, now))
+        command.or(STRATA.switch(ui, now, state.strata))
     }
 }
 
@@ -124,7 +124,7 @@ fn axes(ui: &mut Ui, now: &Now<'_>, words: &mut PatternWords) -> Option<Command>
     if words.axes[0] == words.axes[1] {
         words.axes = before;
     }
-    ALL_PAIRS.button(ui, now)
+    ALL_PAIRS.switch(ui, now, words.all_pairs)
 }
 
 /// A part of the page, clipped to its place.

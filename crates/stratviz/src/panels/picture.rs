@@ -13,8 +13,8 @@ use crate::jobs::Studied;
 use crate::model::{Model, Progress};
 use crate::state::{Overlay, PictureWords, State};
 use eframe::egui::{
-    self, Align2, Color32, FontId, Painter, PointerButton, Pos2, Rect, Response, Sense, Stroke,
-    StrokeKind, Ui, Vec2, WidgetInfo, pos2,
+    self, Align2, Color32, Event, FontId, Modifiers, Painter, PointerButton, Pos2, Rect, Response,
+    Sense, Stroke, StrokeKind, Ui, Vec2, WidgetInfo, pos2,
 };
 
 /// From this many points per pixel on, the pixels are told apart by a grid.
@@ -124,8 +124,11 @@ impl PicturePanel {
             return hit.copied().map(Command::Remove);
         }
         response.clicked().then(|| {
-            let compare = ui.input(|input| input.modifiers.shift);
-            if compare { Command::Compare(clicked) } else { Command::Study(clicked) }
+            if modifiers_of_button(ui).shift {
+                Command::Compare(clicked)
+            } else {
+                Command::Study(clicked)
+            }
         })
     }
 
@@ -190,6 +193,17 @@ impl PicturePanel {
             self.overlay.paint(painter, origin, scale, Color32::WHITE.gamma_multiply(opacity));
         }
     }
+}
+
+/// The modifiers with which the button was let go: by the end of a slow frame they may be others.
+fn modifiers_of_button(ui: &Ui) -> Modifiers {
+    ui.input(|input| {
+        let let_go = input.events.iter().find_map(|event| match event {
+            Event::PointerButton { pressed: false, modifiers, .. } => Some(*modifiers),
+            _ => None,
+        });
+        let_go.unwrap_or(input.modifiers)
+    })
 }
 
 /// The view, the exposure, what lies over the picture.

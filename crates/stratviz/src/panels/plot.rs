@@ -15,10 +15,20 @@ use stratcore::theory::Class;
 /// One curve with what tells it from others.
 struct Curve<'a> {
     sampler: &'a SamplerResult,
+    /// 95 % intervals of its variances, by row.
+    intervals: &'a [[f64; 2]],
     colour: Color32,
     marker: MarkerShape,
     /// Kept from before: drawn pale.
     is_kept: bool,
+}
+
+impl Curve<'_> {
+    /// The rows that have a variance, with its interval.
+    fn bars(&self) -> impl Iterator<Item = (&Row, [f64; 2])> {
+        let rows = self.sampler.rows.iter().zip(self.intervals.iter().copied());
+        rows.filter(|(row, _)| row.variance_of_mean > 0.0)
+    }
 }
 
 /// Draws the curves of these studies. With several, colour tells the sampler and marker the
@@ -27,33 +37,40 @@ pub fn ui(ui: &mut Ui, id: &str, studies: &[&Study]) {
     let dark = ui.visuals().dark_mode;
     let mut curves = Vec::new();
     for (i, study) in studies.iter().enumerate() {
-        let kept = study.kept.iter().map(|(sampler, _)| (sampler, true));
-        let current = study.result.iter().flat_map(|result| &result.samplers);
-        for (sampler, is_kept) in kept.chain(current.map(|sampler| (sampler, false))) {
+        let kept = study.kept.iter().map(|kept| (&kept.sampler, &kept.intervals[..], true));
+        let current = study.curves().map(|(sampler, intervals)| (sampler, intervals, false));
+        for (sampler, intervals, is_kept) in kept.chain(current) {
             let colour = colours::sampler(sampler.name, dark);
             let colour = if is_kept { colour.gamma_multiply(0.45) } else { colour };
             let several = studies.len() > 1;
             let marker = if several { nth_marker(i) } else { marker_of(sampler.name) };
-            curves.push(Curve { sampler, colour, marker, is_kept });
+            curves.push(Curve { sampler, intervals, colour, marker, is_kept });
         }
     }
     let dim = studies.iter().find_map(|study| study.result.as_ref()).map_or(2, |r| r.dim);
     let muted = ui.visuals().weak_text_color();
-    log_log(id, "samples in one estimate, N", "variance of the mean")
-        .label_formatter(|position| match position {
-            egui_plot::HoverPosition::NearDataPoint { plot_name, position, .. } => Some(format!(
-                "{plot_name}\nN {:.0}\nvariance {:.3e}",
-                10f64.powf(position.x),
-                10f64.powf(position.y)
-            )),
-            egui_plot::HoverPosition::Elsewhere { .. } => None,
-        })
-        .show(ui, |plot| {
-            reference_slopes(plot, &curves, dim, muted);
-            for curve in &curves {
-                draw(plot, curve, floor(&curves));
-            }
-        });
+    let lowest = lowest(&curves);
+    let y_name = if lowest.is_some() { "variance of the mean" } else { "every variance is 0" };
+    let mut plot = log_log(id, "samples in one estimate, N", y_name);
+    if lowest.is_none() {
+        plot = plot.y_axis_formatter(|_, _| String::new());
+    }
+    // Where variances of zero are marked: below everything else.
+    let floor = lowest.map_or(0.0, |lowest| lowest - 0.25);
+    plot.label_formatter(|position| match position {
+        egui_plot::HoverPosition::NearDataPoint { plot_name, position, .. } => Some(format!(
+            "{plot_name}\nN {:.0}\nvariance {:.3e}",
+            10f64.powf(position.x),
+            10f64.powf(position.y)
+        )),
+        egui_plot::HoverPosition::Elsewhere { .. } => None,
+    })
+    .show(ui, |plot| {
+        reference_slopes(plot, &curves, dim, floor, muted);
+        for curve in &curves {
+            draw(plot, curve, floor);
+        }
+    });
 }
 
 /// A plot of logarithms.
@@ -108,8 +125,8 @@ fn draw(plot: &mut PlotUi<'_>, curve: &Curve<'_>, floor: f64) {
         let line = Line::new("closed form", closed_form).color(colour).width(1.0);
         plot.line(line.style(style).allow_hover(false));
     }
-    let bars = measured(sampler).map(|row| {
-        let [low, high] = row.ci95().map(f64::log10);
+    let bars = curve.bars().map(|(row, interval)| {
+        let [low, high] = interval.map(f64::log10);
         [(row.n_used as f64).log10(), low, high]
     });
     plot.add(Bars::upright(name, colour, bars));
@@ -129,17 +146,22 @@ fn measured(sampler: &SamplerResult) -> impl Iterator<Item = &Row> {
     sampler.rows.iter().filter(|row| row.variance_of_mean > 0.0)
 }
 
-/// log₁₀ of where variances of zero are marked: below everything else.
-fn floor(curves: &[Curve<'_>]) -> f64 {
-    let lows = curves.iter().flat_map(|c| measured(c.sampler)).map(|row| row.ci95()[0]);
+/// log₁₀ of the lowest end of an interval, where there is one.
+fn lowest(curves: &[Curve<'_>]) -> Option<f64> {
+    let lows = curves.iter().flat_map(Curve::bars).map(|(_, interval)| interval[0]);
     let lowest = lows.fold(f64::INFINITY, f64::min);
-    if lowest.is_finite() { lowest.log10() - 0.25 } else { -6.0 }
+    lowest.is_finite().then(|| lowest.log10())
 }
 
 /// The slopes of complex, edge and smooth integrands, dashed, through the first fitted point of
 /// the last curve that has a fit.
-fn reference_slopes(plot: &mut PlotUi<'_>, curves: &[Curve<'_>], dim: usize, colour: Color32) {
-    let floor = floor(curves);
+fn reference_slopes(
+    plot: &mut PlotUi<'_>,
+    curves: &[Curve<'_>],
+    dim: usize,
+    floor: f64,
+    colour: Color32,
+) {
     let fitted = curves.iter().rev().find_map(|c| Some((c.sampler.fit.as_ref()?, c.sampler)));
     let Some((fit, sampler)) = fitted else { return };
     let Some(first) = measured(sampler).find(|row| row.n_used == fit.n_min) else { return };

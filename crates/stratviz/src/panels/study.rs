@@ -126,11 +126,13 @@ fn sampler_line(ui: &mut Ui, sampler: &dyn Sampler, words: &mut StudyWords) {
         let default = sampler.scrambles()[0].to_string();
         let mut scramble =
             word.split_once('+').map_or_else(|| default.clone(), |(_, s)| s.to_owned());
-        egui::ComboBox::from_id_salt(sampler.name()).selected_text(&scramble).show_ui(ui, |ui| {
+        let shown = egui::ComboBox::from_id_salt(sampler.name()).selected_text(&scramble);
+        let shown = shown.show_ui(ui, |ui| {
             for option in &scrambles {
                 ui.selectable_value(&mut scramble, option.clone(), option);
             }
         });
+        shown.response.on_hover_text(format!("how {} is scrambled", sampler.name()));
         *word = if scramble == default {
             sampler.name().to_owned()
         } else {
@@ -141,7 +143,8 @@ fn sampler_line(ui: &mut Ui, sampler: &dyn Sampler, words: &mut StudyWords) {
 
 fn channel_box(ui: &mut Ui, words: &mut StudyWords) {
     use clap::ValueEnum as _;
-    egui::ComboBox::from_id_salt("channel").selected_text(&words.channel).show_ui(ui, |ui| {
+    let shown = egui::ComboBox::from_id_salt("channel").selected_text(&words.channel);
+    let shown = shown.show_ui(ui, |ui| {
         for channel in StudiedChannel::value_variants() {
             if let Some(value) = channel.to_possible_value() {
                 let name = value.get_name().to_owned();
@@ -149,6 +152,7 @@ fn channel_box(ui: &mut Ui, words: &mut StudyWords) {
             }
         }
     });
+    shown.response.on_hover_text("the number that is studied");
 }
 
 fn policy_box(ui: &mut Ui, words: &mut StudyWords) {

@@ -47,12 +47,14 @@ fn controls(ui: &mut Ui, words: &mut TheoryWords, regularity: Option<Regularity>
     let info = |name: &str| CATALOGUE.iter().find(|info| info.name == name);
     ui.horizontal_wrapped(|ui| {
         let before = words.name.clone();
-        egui::ComboBox::from_id_salt("integrand").selected_text(&words.name).show_ui(ui, |ui| {
+        let shown = egui::ComboBox::from_id_salt("integrand").selected_text(&words.name);
+        let shown = shown.show_ui(ui, |ui| {
             for info in CATALOGUE {
                 let name = info.name.to_owned();
                 ui.selectable_value(&mut words.name, name, info.name).on_hover_text(info.summary);
             }
         });
+        shown.response.on_hover_text("the integrand");
         let Some(info) = info(&words.name) else { return };
         if words.name != before {
             words.params.clear();

@@ -1,4 +1,4 @@
-//! The menu, the pages, and what was done last.
+//! The menu, the pages, and how long frames take.
 
 use crate::actions::{Entry, HELP, Menu, Now, OPEN, built_in, overlays, recent};
 use crate::command::Command;
@@ -34,16 +34,6 @@ pub fn ui(ui: &mut Ui, now: &Now<'_>) -> Option<Command> {
             }
         });
     });
-    if let Some(fault) = &model.scene_fault {
-        ui.horizontal_wrapped(|ui| {
-            ui.colored_label(ui.visuals().error_fg_color, format!("cannot open: {fault}"));
-        });
-    }
-    if let Some(notice) = &model.notice {
-        let colour =
-            if notice.is_fault { ui.visuals().error_fg_color } else { ui.visuals().text_color() };
-        ui.horizontal_wrapped(|ui| ui.colored_label(colour, &notice.text));
-    }
     command
 }
 

@@ -1,7 +1,7 @@
 //! Studies of pixels and of the theory page's integrand.
 
 use super::{DIED, Work, traced};
-use crate::jobs::{Standing, StudyJob, Subject, study_job};
+use crate::jobs::{Standing, StudyJob, StudySoFar, Subject, study_job};
 use crate::line;
 use crate::model::{Model, Study};
 use crate::state::State;
@@ -99,9 +99,9 @@ fn terms(words: &[String]) -> String {
 fn receive(job: &mut StudyJob, study: &mut Study) {
     for update in job.poll() {
         match update {
-            Ok((result, time)) => {
+            Ok(StudySoFar { result, intervals, time }) => {
                 study.first_curve.get_or_insert(time);
-                study.result = Some(result);
+                (study.result, study.intervals) = (Some(result), intervals);
             }
             Err(fault) => study.fault = Some(fault),
         }

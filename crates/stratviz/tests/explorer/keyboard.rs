@@ -30,7 +30,7 @@ fn the_palette_runs_what_is_typed() {
     assert!(!window.harness.state().state.dark);
     run(&mut window, "remove halton");
     assert_eq!(window.harness.state().state.study.samplers, ["random", "jittered", "sobol"]);
-    run(&mut window, "keys");
+    run(&mut window, "help");
     assert!(window.sees("Ctrl+Shift+P"), "there is no help");
     window.harness.key_press(Key::Escape);
     window.harness.run_steps(2);
