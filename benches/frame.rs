@@ -9,7 +9,7 @@ use stratviz::app::App;
 use stratviz::command::Command;
 use stratviz::jobs::Wake;
 use stratviz::model::Progress;
-use stratviz::state::{Overlay, Page, PictureWords, State};
+use stratviz::state::{Overlay, Page, PatternWords, PictureWords, State};
 
 fn main() {
     divan::main();
@@ -66,7 +66,12 @@ const SIZES: [[f32; 2]; 2] = [[1280.0, 720.0], [2560.0, 1440.0]];
 #[divan::bench(args = SIZES)]
 fn still(bencher: Bencher<'_, '_>, size: [f32; 2]) {
     let mut window = Headless::open(Page::Pixel, size);
-    window.wait(|app| app.model.studies.iter().all(|study| !study.running));
+    let ctx = window.ctx.clone();
+    window.app.apply(Command::StartMap, &ctx);
+    window.wait(|app| {
+        let done = [&app.model.picture_progress, &app.model.map_progress];
+        done.into_iter().all(|progress| *progress == Progress::Done) && !app.model.is_busy()
+    });
     bencher.bench_local(|| window.frame());
 }
 
@@ -94,6 +99,17 @@ fn while_workers_run(bencher: Bencher<'_, '_>, size: [f32; 2]) {
 #[divan::bench(args = SIZES)]
 fn patterns(bencher: Bencher<'_, '_>, size: [f32; 2]) {
     let mut window = Headless::open(Page::Patterns, size);
+    window.wait(|app| !app.model.is_busy());
+    bencher.bench_local(|| window.frame());
+}
+
+/// The same, with every pair of six dimensions of the points.
+#[divan::bench(args = SIZES)]
+fn pairs(bencher: Bencher<'_, '_>, size: [f32; 2]) {
+    let mut window = Headless::open(Page::Patterns, size);
+    let ctx = window.ctx.clone();
+    let words = PatternWords { all_pairs: true, ..PatternWords::default().in_dim(6) };
+    window.app.apply(Command::SetPatterns(words), &ctx);
     window.wait(|app| !app.model.is_busy());
     bencher.bench_local(|| window.frame());
 }

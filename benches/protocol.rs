@@ -10,6 +10,7 @@ mod covered;
 
 use anyhow::{Context, Result};
 use clap::Parser;
+use common::clock::Clock;
 use common::{lattice, n_samples, protocol};
 use covered::covered_by_one_triangle;
 use std::collections::BTreeMap;
@@ -191,37 +192,11 @@ fn list_length(scene: &TracedScene, pixel: [u32; 2]) -> Option<usize> {
 fn time(row: &Row, plan: &StudyPlan) -> Result<Duration> {
     let Row { scene, pixels, threads, .. } = *row;
     with_threads(Some(threads), || {
-        let start = Clock::start(threads);
+        let start = Clock::start(threads == 1);
         let integrand = |pixel| scene.pixel(pixel, Channel::Luminance);
         study_pixels(&integrand, pixels.iter().copied(), plan, Control::unwatched(), &mut |_| ())?;
         Ok(start.elapsed())
     })
-}
-
-/// What a thread costs, whatever else the machine does: its own processor time where the system
-/// tells it (Linux), the wall's elsewhere and for work on several threads.
-struct Clock {
-    wall: Instant,
-    processor: Option<Duration>,
-}
-
-impl Clock {
-    fn start(threads: usize) -> Self {
-        let processor = if threads == 1 { Self::processor() } else { None };
-        Self { wall: Instant::now(), processor }
-    }
-
-    fn elapsed(&self) -> Duration {
-        match (self.processor, Self::processor()) {
-            (Some(start), Some(now)) => now - start,
-            _ => self.wall.elapsed(),
-        }
-    }
-
-    fn processor() -> Option<Duration> {
-        let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-        text.split(' ').next()?.parse().ok().map(Duration::from_nanos)
-    }
 }
 
 /// Time per sample, set-up included, of the pixels whose lists are about as long, and of the

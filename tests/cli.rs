@@ -199,13 +199,17 @@ fn a_pixel_study_keeps_the_promised_json() {
     assert!(samplers[1]["class"].is_string());
     let prediction = |s: &Value| serde_json::json!([s["predicted"], s["predicted_from"]]);
     assert_eq!(prediction(&samplers[0]), serde_json::json!([1.0, "integrand"]));
-    // Theory for the class that was measured; nothing where the class is unsure.
-    assert_eq!(samplers[1]["class_is_sure"], true);
-    assert_eq!(prediction(&samplers[1]), serde_json::json!([1.5, "class"]));
-    let study = json(&["pixel", &quad, "--at", "4,3", "--trials", "5", "--counts", "1..4^2"]);
-    let unsure = &study["samplers"][1];
-    assert_eq!(unsure["class_is_sure"], false);
-    assert_eq!(prediction(unsure), serde_json::json!([null, null]));
+    // From points of the pixel's own: the same with next to no trials, and as inspect says.
+    let axes = serde_json::json!([1.5, "axes"]);
+    assert_eq!(prediction(&samplers[1]), axes);
+    assert_eq!(samplers[1]["predicted_bound"], "equals");
+    let study = json(&["pixel", &quad, "--at", "4,3", "--trials", "2", "--counts", "1,4"]);
+    assert_eq!(study["samplers"][1]["class_is_sure"], false);
+    assert_eq!(prediction(&study["samplers"][1]), axes);
+    let facts = json(&["inspect", &quad, "--at", "4,3"]);
+    let limits = facts["pixel"]["predicted"].as_array().unwrap();
+    let jittered = limits.iter().find(|p| p["sampler"] == "jittered").unwrap();
+    assert_eq!(jittered["limit"]["exponent"], 1.5);
 }
 
 /// The quad's right side cuts the pixel: both samplers are known, halton has to be measured.

@@ -89,7 +89,7 @@ fn variances_and_means_at_every_count() {
     ];
     let any_dim: &[usize] = &[1, 2, 3, 4, 5, 6];
     type Case<'a> = (&'a str, &'a [(&'a str, f64)], &'a [usize]);
-    let cases: [Case<'_>; 11] = [
+    let cases: [Case<'_>; 15] = [
         ("constant", &[], any_dim),
         ("ramp", &[], any_dim),
         ("step", &[], any_dim),
@@ -101,6 +101,10 @@ fn variances_and_means_at_every_count() {
         ("koch", &[], &[2]),
         ("form-factor", &[], &[4]),
         ("form-factor", &[("occluder", 0.5)], &[4]),
+        ("form-factor-perpendicular", &[], &[4]),
+        ("form-factor-perpendicular", &[("gap", 0.1)], &[4]),
+        ("form-factor-disks", &[], &[4]),
+        ("form-factor-disks", &[("radius", 0.5), ("distance", 0.4)], &[4]),
     ];
     let mut scores = Scores::default();
     for (name, params, dims) in cases {

@@ -1,6 +1,8 @@
 //! What the benches of traced scenes share.
 #![allow(dead_code, reason = "each bench uses a part of it")]
 
+pub mod clock;
+
 use stratcore::scene::Camera;
 use stratcore::study::{SamplerChoice, StudyPlan};
 

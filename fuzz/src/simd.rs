@@ -8,7 +8,7 @@ use stratcore::rng::StreamKey;
 use stratcore::sampler::{
     CountPolicy, Jittered, PointSet, Random, SHELF, Sampler, Scramble, count_used,
 };
-use stratcore::scene::{Camera, Channel, Distribution, Light, Material, Mesh, Scene};
+use stratcore::scene::{Camera, Channel, Light, Material, Mesh, Scene};
 use stratcore::simd::Isa;
 use stratcore::trace::TracedScene;
 
@@ -119,19 +119,10 @@ fn beam(bytes: &mut Bytes) {
     }
     let [width, height] = camera.resolution;
     let pixel = [u32::from(bytes.byte()) % width, u32::from(bytes.byte()) % height];
-    let scene = Scene {
-        name: String::new(),
-        camera,
-        mesh: Mesh { positions, triangles, materials, corner_normals: None },
-        materials: vec![material(bytes), material(bytes)],
-        light,
-        distribution: Distribution::default(),
-        filter: None,
-        ambient: [0.1; 3],
-        background: colour(bytes),
-        notes: Vec::new(),
-        files: Vec::new(),
-    };
+    let mesh = Mesh { positions, triangles, materials, corner_normals: None };
+    let surfaces = vec![material(bytes), material(bytes)];
+    let plain = Scene::plain(mesh, surfaces, camera, light);
+    let scene = Scene { ambient: [0.1; 3], background: colour(bytes), ..plain };
     let traced = TracedScene::new(scene);
     let (n, trials) = (1 + u64::from(bytes.byte() % 90), 1 + usize::from(bytes.byte() % 40));
     let seed = bytes.word().into();

@@ -117,6 +117,11 @@ fn numbers_that_ask_for_much_are_refused() {
     };
     wide("[2147483648, 2147483648]");
     folder.refuses(&["inspect", "wide.toml"], &["resolution", "2^20"]);
+    // A picture of 2^40 pixels may be looked at, but not be held.
+    wide("[1048576, 1048576]");
+    for command in [&["spectrum", "wide.toml"][..], &["trade", "wide.toml", "--needed", "n.exr"]] {
+        folder.refuses(command, &["1048576 × 1048576", "resolution"]);
+    }
     folder.refuses(
         &["integrand", "ramp", "--samplers", "random", "--counts", "1..1000000000^2"],
         &["--counts", "too many counts"],

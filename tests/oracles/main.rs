@@ -7,6 +7,7 @@
 
 mod filters;
 mod mitsuba;
+mod paths;
 
 use std::f64::consts::PI;
 use std::path::Path;
@@ -235,46 +236,6 @@ fn motion_blurs_an_edge_evenly() {
     // The same from a camera that moves the other way.
     let panned = along_z() + "[shutter]\ncamera_motion = [-3, 0, 0]\n";
     check(&scene(&panned, HALF_PLANE, LAMP), [8, 8], &axes, covered(8));
-}
-
-/// Inside a closed box of emission E and reflectance ρ every path of b bounces sees
-/// E (1 + ρ + … + ρ^b), whatever it hits.
-#[test]
-fn a_furnace_has_no_variance() {
-    let cube = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\nv -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n\
-                usemtl oven\nf 1 2 3 4\nf 5 6 7 8\nf 1 2 6 5\nf 4 3 7 8\nf 1 4 8 5\nf 2 3 7 6\n";
-    let toml = camera([0.1, 0.2, 0.3], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0])
-        + "[light]\nkind = \"area\"\nshape = \"rectangle\"\ncorner = [9, 9, 9]\n\
-           edges = [[1, 0, 0], [0, 1, 0]]\nradiance = [0, 0, 0]\n[paths]\nbounces = 3\n";
-    let oven = scene(&toml, cube, "newmtl oven\nKd 0.5 0.5 0.5\nKe 1 1 1\n");
-    let pixel = oven.pixel([3, 5], Channel::R);
-    assert_eq!(pixel.dim(), 10);
-    for i in 0..1000u32 {
-        let point: Vec<f64> = (0..10)
-            .map(|axis| ((f64::from(i) + 0.5) * (0.618 + 0.1 * f64::from(axis))).fract())
-            .collect();
-        let seen = pixel.eval(&point);
-        assert!((seen - 1.875).abs() < 1e-12, "{point:?}: {seen}");
-    }
-}
-
-#[test]
-fn a_perfect_mirror_and_clear_glass_lose_no_light() {
-    let sky = "[background]\nradiance = [1, 1, 1]\n[paths]\nspecular_depth = 8\n\
-               [light]\nkind = \"headlight\"\n";
-    let pane = "v -9 -9 -5\nv 9 -9 -5\nv 9 9 -5\nv -9 9 -5\nusemtl m\nf 1 2 3 4\n";
-    let toml = along_z() + sky;
-    let mirror = scene(&toml, pane, "newmtl m\nKd 0 0 0\nKs 1 1 1\nillum 3\n");
-    assert_eq!(mirror.pixel([8, 8], Channel::R).eval(&[0.5, 0.5]), 1.0);
-    // One border: what is not reflected is let through.
-    let glass = scene(&toml, pane, "newmtl m\nKd 0 0 0\nNi 1.5\nillum 7\n");
-    let pixel = glass.pixel([11, 4], Channel::R);
-    assert!((pixel.eval(&[0.5, 0.5]) - 1.0).abs() < 1e-15);
-    assert_eq!(pixel.axes(), ["pixel_x", "pixel_y"]);
-    // Without [paths] the same material is Lambertian.
-    let plain = scene(&along_z(), pane, "newmtl m\nKd 0.5 0.5 0.5\nKs 1 1 1\nillum 3\n");
-    let seen = plain.pixel([8, 8], Channel::R).eval(&[0.0, 0.0]);
-    assert!((seen - 0.5).abs() < 1e-12, "{seen}");
 }
 
 /// The lists of the fast path against the BVH, point by point.

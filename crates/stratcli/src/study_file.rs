@@ -179,6 +179,10 @@ fn scenes(keys: &Keys, path: &Path) -> Result<Vec<SceneEntry>> {
         let stem = Path::new(text).file_stem().unwrap_or_default();
         let name = stem.to_string_lossy().into_owned();
         ensure!(
+            !name.trim_matches('.').is_empty(),
+            "scenes: \"{text}\" has no name to call its files by; give the path of a scene file"
+        );
+        ensure!(
             !["summary", "report"].contains(&name.to_lowercase().as_str()),
             "scenes: \"{text}\" would be written where the study's own {name} is; rename it"
         );
@@ -232,6 +236,8 @@ mod tests {
             ("scenes = []\nsamplers = [\"random\"]\n".to_owned(), ["scenes", "at least one"]),
             (good.replace("jittered", "jitter"), ["samplers", "jittered"]),
             (good.replace("\"classic\"", "\"classic\", \"classic\""), ["scenes", "rename"]),
+            (good.replace("classic", "...toml"), ["scenes", "no name"]),
+            (good.replace("classic", "a/.."), ["scenes", "no name"]),
             (good.replace("\"jittered\"", "\"jittered\", \"jittered\""), ["samplers", "once"]),
             (good.to_owned() + "scrambles = [\"ovens\"]\n", ["scrambles", "owen"]),
             (good.to_owned() + "sampler = 3\n", ["sampler", "line 3"]),

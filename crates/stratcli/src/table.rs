@@ -4,6 +4,7 @@ use crate::report::chart::label;
 use crate::report::spectrum::{SamplerSpectrum, Spectra};
 use std::fmt::Write;
 use stratcore::StudyResult;
+use stratcore::dimensions::Bound;
 use stratcore::fit::Fit;
 use stratcore::study::{Discrepancies, Method, Row, SamplerResult, Stop, StopReason, Tightness};
 use stratcore::theory::{Basis, Class};
@@ -274,11 +275,13 @@ fn reading(sampler: &SamplerResult) -> String {
         let _ = writeln!(text, "  class: {class}{doubt}");
     }
     if let Some(p) = sampler.predicted {
-        let whence = match (sampler.predicted_from, sampler.predicted_source) {
-            (Some(Basis::Class), _) => "for the class that was measured".to_owned(),
-            (_, source) => source.unwrap_or_default().to_owned(),
+        let sign = if sampler.predicted_bound == Some(Bound::AtLeast) { ">=" } else { "=" };
+        let known = match sampler.predicted_from {
+            Some(Basis::Axes) => "; from the axes that it needs, for large N",
+            _ => "",
         };
-        let _ = writeln!(text, "  predicted: p = {} ({whence})", short(p, 5));
+        let source = sampler.predicted_source.unwrap_or_default();
+        let _ = writeln!(text, "  predicted: p {sign} {} ({source}{known})", short(p, 5));
     }
     text
 }

@@ -180,6 +180,21 @@ pub enum StudyError {
         /// The most coordinates.
         limit: u64,
     },
+    /// A picture that has to be held whole and does not fit in memory.
+    #[error(
+        "{copies} times {width} × {height} pixels are too many to hold at once, {limit}; lower \
+         the camera's resolution, or name fewer samplers or trials"
+    )]
+    PictureTooLarge {
+        /// Its pixels across.
+        width: u32,
+        /// Its pixels down.
+        height: u32,
+        /// Numbers to be held of each.
+        copies: u64,
+        /// The most of them.
+        limit: u64,
+    },
     /// More axes than can be told apart at a bearable cost.
     #[error("what {dim} axes are needed for is not worked out beyond {limit} of them")]
     TooManyAxes {

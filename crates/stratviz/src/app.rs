@@ -2,21 +2,29 @@
 
 mod obey;
 
+use crate::actions::Now;
 use crate::command::Command;
 use crate::jobs::Wake;
 use crate::keys;
 use crate::model::Model;
 use crate::panels::dialogs::{Answer, Dialog};
 use crate::panels::inside::InsidePanel;
+use crate::panels::palette::Palette;
 use crate::panels::patterns::PatternsPanel;
 use crate::panels::picture::PicturePanel;
 use crate::panels::study::StudyPanel;
-use crate::panels::top::{self, Wish};
-use crate::panels::{curve, divider, help, theory, trade};
+use crate::panels::{curve, divider, help, theory, top, trade};
 use crate::state::{Page, State};
 use crate::work::{Event, Work};
-use eframe::egui::{self, Context, Theme, Ui, ViewportCommand};
+use eframe::egui::{self, Context, Theme, Ui};
 use std::time::Duration;
+
+/// What lies over the window and has the keyboard.
+enum Over {
+    Dialog(Dialog),
+    Palette(Palette),
+    Help,
+}
 
 /// The explorer.
 pub struct App {
@@ -29,8 +37,9 @@ pub struct App {
     study: StudyPanel,
     inside: InsidePanel,
     patterns: PatternsPanel,
-    dialog: Option<Dialog>,
-    help: bool,
+    over: Option<Over>,
+    /// The session that a pasted line opens, once its scene is there.
+    pending: Option<State>,
     cpu_clock: Option<Duration>,
     drawing: Duration,
 }
@@ -46,8 +55,8 @@ impl App {
             study: StudyPanel::default(),
             inside: InsidePanel::default(),
             patterns: PatternsPanel::default(),
-            dialog: None,
-            help: false,
+            over: None,
+            pending: None,
             cpu_clock: None,
             drawing: Duration::ZERO,
         };
@@ -61,6 +70,7 @@ impl App {
             match event {
                 Event::SceneLoaded => self.show_scene(),
                 Event::SceneFailed => {
+                    self.pending = None;
                     if let Some(loaded) = &self.model.loaded {
                         self.state.scene.clone_from(&loaded.spec);
                     }
@@ -77,48 +87,46 @@ impl App {
         self.measure_frame(start);
         let theme = if self.state.dark { Theme::Dark } else { Theme::Light };
         ctx.set_theme(theme);
-        let mut wishes = if self.dialog.is_none() && !self.help {
-            keys::wishes(&ctx, &self.state, &self.model, self.picture.hovered())
-        } else {
-            Vec::new()
-        };
-        self.draw(ui, &mut wishes);
-        for wish in wishes {
-            match wish {
-                Wish::Do(command) => self.apply(command, &ctx),
-                Wish::Ask(dialog) => self.dialog = Some(dialog),
-                Wish::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
-            }
+        let mut commands: Vec<_> = keys::dropped_file(&ctx).into_iter().collect();
+        if self.over.is_none() {
+            let hovered = self.picture.hovered();
+            let now = Now { state: &self.state, model: &self.model, hovered };
+            commands.extend(keys::commands(&ctx, &now));
+        }
+        commands.extend(self.draw(ui));
+        for command in commands {
+            self.apply(command, &ctx);
         }
         if let (Some(start), Some(end)) = (start, thread_cpu_time()) {
             self.drawing = end.saturating_sub(start);
         }
     }
 
-    fn draw(&mut self, ui: &mut Ui, wishes: &mut Vec<Wish>) {
-        let Self { state, model, .. } = self;
-        egui::Panel::top("top").show(ui, |ui| wishes.extend(top::ui(ui, state, model)));
+    fn draw(&mut self, ui: &mut Ui) -> Vec<Command> {
+        let now = &Now { state: &self.state, model: &self.model, hovered: self.picture.hovered() };
+        let state = now.state;
         let mut commands = Vec::new();
+        egui::Panel::top("top").show(ui, |ui| commands.extend(top::ui(ui, now)));
         let mut layout = state.layout.clone();
         let flush = egui::Frame::new();
         let whole = ui.available_rect_before_wrap();
         let width = layout.picture_width(whole.width());
         let left = egui::Panel::left("picture").resizable(false).exact_size(width).frame(flush);
-        left.show(ui, |ui| commands.extend(self.picture.ui(ui, state, model)));
-        egui::Panel::top("study").show(ui, |ui| commands.extend(self.study.ui(ui, state, model)));
+        left.show(ui, |ui| commands.extend(self.picture.ui(ui, now)));
+        egui::Panel::top("study").show(ui, |ui| commands.extend(self.study.ui(ui, now)));
         let right = ui.available_rect_before_wrap();
         let has_inside = state.page == Page::Pixel && !state.pixels.is_empty();
         if has_inside {
             let height = layout.inside_height(right.height());
             let bottom = egui::Panel::bottom("inside").resizable(false).exact_size(height);
-            bottom.show(ui, |ui| commands.extend(self.inside.ui(ui, state, model)));
+            bottom.show(ui, |ui| commands.extend(self.inside.ui(ui, now)));
         }
         egui::CentralPanel::default().show(ui, |ui| {
             commands.extend(match state.page {
-                Page::Pixel => curve::ui(ui, state, model),
-                Page::Theory => theory::ui(ui, state, model),
-                Page::Trade => trade::ui(ui, state, model),
-                Page::Patterns => self.patterns.ui(ui, state, model),
+                Page::Pixel => curve::ui(ui, now),
+                Page::Theory => theory::ui(ui, now),
+                Page::Trade => trade::ui(ui, now),
+                Page::Patterns => self.patterns.ui(ui, now),
             });
         });
         divider::upright(ui, whole, &mut layout.picture);
@@ -128,18 +136,19 @@ impl App {
         if layout != state.layout {
             commands.push(Command::SetLayout(layout));
         }
-        match self.dialog.as_mut().and_then(|dialog| dialog.ui(ui.ctx())) {
-            Some(Answer::Do(command)) => {
+        let answer = match &mut self.over {
+            Some(Over::Dialog(dialog)) => dialog.ui(ui.ctx()),
+            Some(Over::Palette(palette)) => palette.ui(ui.ctx(), now),
+            Some(Over::Help) => (!help::ui(ui.ctx())).then_some(Answer::Never),
+            None => None,
+        };
+        if let Some(answer) = answer {
+            self.over = None;
+            if let Answer::Do(command) = answer {
                 commands.push(command);
-                self.dialog = None;
             }
-            Some(Answer::Never) => self.dialog = None,
-            None => {}
         }
-        if self.help {
-            self.help = help::ui(ui.ctx());
-        }
-        wishes.extend(commands.into_iter().map(Wish::Do));
+        commands
     }
 
     /// Notes the CPU time of this thread since the last frame began, and the part of it that

@@ -5,6 +5,34 @@ use crate::state::{
 };
 use std::path::PathBuf;
 
+/// What has to be answered with a line of text first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Question {
+    /// Which scene is to be opened?
+    Open,
+    /// To which file does the picture go?
+    SavePicture,
+    /// To which file do the page's curves go?
+    SaveCurve,
+    /// To which file do the discrepancies go?
+    SaveDiscrepancies,
+    /// Which lines of `stratcli` are to be opened?
+    OpenLine,
+}
+
+/// How the picture is looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Look {
+    /// The whole of it.
+    Fit,
+    /// One point per pixel.
+    OneToOne,
+    /// Enlarged.
+    Closer,
+    /// Smaller.
+    Farther,
+}
+
 /// A wish of the user.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Command {
@@ -24,6 +52,10 @@ pub enum Command {
     SetStudy(StudyWords),
     /// Show the picture in another way.
     SetPicture(PictureWords),
+    /// Expose so that the brightest value is white.
+    Normalise,
+    /// Look at the picture in another way.
+    Look(Look),
     /// Show another trial inside the pixel.
     SetInside(InsideWords),
     /// Study another integrand.
@@ -62,6 +94,14 @@ pub enum Command {
     SaveCurve(PathBuf),
     /// Write the discrepancies of the patterns page: `.svg`, `.png` or `.csv`.
     SaveDiscrepancies(PathBuf),
-    /// Show or hide the help.
-    ShowHelp(bool),
+    /// Show or hide the grids of strata.
+    ShowStrata(bool),
+    /// Ask for a line of text.
+    Ask(Question),
+    /// Show every key.
+    ShowHelp,
+    /// Show every command.
+    ShowPalette,
+    /// Close the window.
+    Quit,
 }

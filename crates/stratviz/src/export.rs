@@ -6,6 +6,7 @@ use crate::state::{Page, State};
 use anyhow::{Result, bail};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use stratcli::output::AtomicFile;
 use stratcli::picture::Format;
 use stratcli::report::spectrum::Spectra;
@@ -22,8 +23,10 @@ pub enum Export {
     Picture {
         /// Width and height.
         size: [u32; 2],
-        /// Linear colours, exposed.
-        rgb: Vec<Rgb>,
+        /// Linear colours.
+        rgb: Arc<Vec<Rgb>>,
+        /// What they are multiplied by.
+        gain: f64,
         /// The command that makes it.
         comment: String,
     },
@@ -61,8 +64,8 @@ impl Export {
             bail!("there is no picture to save yet");
         }
         let gain = state.picture.exposure.exp2();
-        let rgb = layer.cells.iter().map(|rgb| rgb.map(|v| v * gain)).collect();
-        Ok(Self::Picture { size: layer.size, rgb, comment: line::line(&line::render(state)) })
+        let comment = line::line(&line::render(state));
+        Ok(Self::Picture { size: layer.size, rgb: layer.cells.clone(), gain, comment })
     }
 
     /// The curves of the page that is shown; of the patterns, the spectra.
@@ -125,9 +128,10 @@ impl Export {
     /// Writes the file that `path` names, in the format of its ending.
     pub fn write(&self, path: &Path) -> Result<()> {
         match self {
-            Self::Picture { size, rgb, comment } => {
+            Self::Picture { size, rgb, gain, comment } => {
                 let format = Format::of(path)?;
-                AtomicFile::create(path)?.commit(&format.encode(*size, rgb, comment)?)
+                let rgb: Vec<_> = rgb.iter().map(|rgb| rgb.map(|v| v * gain)).collect();
+                AtomicFile::create(path)?.commit(&format.encode(*size, &rgb, comment)?)
             }
             Self::Curves { title, subject, channel, results } => write_table(
                 path,

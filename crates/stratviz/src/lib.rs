@@ -4,6 +4,7 @@
 //! compute it. Panels draw both and return a `Command`; `app` obeys it after drawing. Nothing
 //! is computed here: plans come from the words of the command line, results from `stratcore`.
 
+pub mod actions;
 pub mod app;
 pub mod command;
 pub mod export;

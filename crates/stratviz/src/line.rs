@@ -2,8 +2,10 @@
 //! words that are copied, so its numbers are those of `stratcli`.
 
 mod open;
+mod shell;
 
-pub use open::open;
+pub use open::{OPENED, open};
+pub use shell::line;
 
 use crate::jobs::DiscrepancyPlan;
 use crate::state::{PatternWords, State, StudyWords, TheoryWords};
@@ -161,20 +163,6 @@ fn finish(words: &mut Vec<String>, study: &StudyWords) {
 fn option(words: &mut Vec<String>, name: &str, value: String) {
     words.push(name.to_owned());
     words.push(value);
-}
-
-/// Words as one line for a shell.
-pub fn line(words: &[String]) -> String {
-    let quoted = |word: &String| {
-        let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:=+^@%".contains(c);
-        if !word.is_empty() && word.chars().all(is_plain) {
-            word.clone()
-        } else {
-            format!("'{}'", word.replace('\'', r"'\''"))
-        }
-    };
-    let words: Vec<_> = words.iter().map(quoted).collect();
-    format!("stratcli {}", words.join(" "))
 }
 
 /// What `stratcli` makes of the words.

@@ -1,6 +1,8 @@
 //! What was computed: everything that panels draw and nobody saves.
 
 use crate::jobs::{Drawn, Loaded, MapUpdate, Patch, Seen, Studied, Traded};
+use crate::state::Page;
+use std::sync::Arc;
 use std::time::Duration;
 use stratcli::report::spectrum::SamplerSpectrum;
 use stratcore::integrand::Regularity;
@@ -61,14 +63,22 @@ impl Model {
 
     /// Whether anything is under way that [`Stop`](crate::command::Command::Stop) stops.
     pub fn is_busy(&self) -> bool {
-        let mut studies = self.studies.iter().chain([&self.theory]);
-        let pieces = [
-            &self.drawn.progress,
-            &self.spectra.progress,
-            &self.discrepancy.progress,
-            &self.trade.progress,
-        ];
-        studies.any(|study| study.running) || pieces.iter().any(|piece| piece.is_running())
+        Page::ALL.iter().any(|(page, _)| self.is_busy_on(*page))
+    }
+
+    /// Whether anything that this page shows is under way.
+    pub fn is_busy_on(&self, page: Page) -> bool {
+        let studies = || self.studies.iter().any(|study| study.running);
+        match page {
+            Page::Pixel => studies(),
+            Page::Theory => self.theory.running,
+            Page::Trade => studies() || self.trade.progress.is_running(),
+            Page::Patterns => {
+                let pieces =
+                    [&self.drawn.progress, &self.spectra.progress, &self.discrepancy.progress];
+                pieces.iter().any(|piece| piece.is_running())
+            }
+        }
     }
 }
 
@@ -129,9 +139,9 @@ impl<T> Default for Piece<T> {
 }
 
 impl<T> Piece<T> {
-    /// Whether this is what `words` ask for, finished or under way.
+    /// Whether this is what `words` ask for: finished, under way, or stopped by hand.
     pub fn is_of(&self, words: &[String]) -> bool {
-        self.planned == words && matches!(self.progress, Progress::Running(_) | Progress::Done)
+        self.planned == words && !matches!(self.progress, Progress::Idle | Progress::Failed(_))
     }
 
     /// Is about to be computed anew. What is there stays to be seen until something comes.
@@ -193,12 +203,12 @@ fn is_named(curve: &SamplerResult, name: &str) -> bool {
 pub struct Layer<T> {
     /// Width and height.
     pub size: [u32; 2],
-    /// Row by row from the top left.
-    pub cells: Vec<T>,
+    /// Row by row from the top left; shared with a job that writes them to a file.
+    pub cells: Arc<Vec<T>>,
     /// The version in which each row was last changed.
     pub row_versions: Vec<u64>,
     /// Counts the changes, and never starts again.
-    pub version: u64,
+    version: u64,
 }
 
 impl<T: Copy> Layer<T> {
@@ -206,7 +216,7 @@ impl<T: Copy> Layer<T> {
     pub fn reset(&mut self, size: [u32; 2], value: T) {
         self.version += 1;
         self.size = size;
-        self.cells = vec![value; size[0] as usize * size[1] as usize];
+        self.cells = Arc::new(vec![value; size[0] as usize * size[1] as usize]);
         self.row_versions = vec![self.version; size[1] as usize];
     }
 
@@ -220,12 +230,13 @@ impl<T: Copy> Layer<T> {
     fn put(&mut self, values: impl Iterator<Item = ([u32; 2], T)>, step: u32) {
         self.version += 1;
         let [width, height] = self.size;
+        let cells = Arc::make_mut(&mut self.cells);
         for ([x, y], value) in values {
             for row in y..(y + step).min(height) {
                 self.row_versions[row as usize] = self.version;
                 let line = row as usize * width as usize;
                 let right = (x + step).min(width);
-                self.cells[line + x as usize..line + right as usize].fill(value);
+                cells[line + x as usize..line + right as usize].fill(value);
             }
         }
     }
@@ -280,7 +291,7 @@ mod tests {
         layer.reset([5, 3], 0);
         let version = layer.version;
         layer.put([([0, 0], 7), ([4, 2], 8)].into_iter(), 2);
-        assert_eq!(layer.cells, [7, 7, 0, 0, 0, 7, 7, 0, 0, 0, 0, 0, 0, 0, 8]);
+        assert_eq!(*layer.cells, [7, 7, 0, 0, 0, 7, 7, 0, 0, 0, 0, 0, 0, 0, 8]);
         layer.put(std::iter::once(([1, 1], 9)), 1);
         assert_eq!(layer.at([1, 1]), Some(&9));
         assert_eq!(layer.at([5, 0]), None);

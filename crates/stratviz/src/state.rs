@@ -1,9 +1,13 @@
 //! What is remembered from one session to the next: words and numbers as a user sets them, no
 //! results.
 
+mod patterns;
+
+pub use patterns::PatternWords;
+
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use stratcore::discrepancy::Measure;
+use stratcore::integrand::IntegrandInfo;
 use stratcore::sampler::CountPolicy;
 
 /// Everything a session is made of.
@@ -30,6 +34,8 @@ pub struct State {
     pub patterns: PatternWords,
     /// The page on the right.
     pub page: Page,
+    /// Whether the grids of strata are drawn.
+    pub strata: bool,
     /// Dark or light.
     pub dark: bool,
     /// How the window is shared out.
@@ -87,6 +93,11 @@ impl Page {
         (Self::Trade, "Trade"),
         (Self::Patterns, "Patterns"),
     ];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        Self::ALL.iter().find(|(page, _)| *page == self).map_or("", |(_, name)| name)
+    }
 }
 
 /// How a study is made, in the words of the command line.
@@ -143,6 +154,12 @@ impl Overlay {
     /// In the order in which they are offered.
     pub const ALL: [Self; 4] = [Self::Off, Self::Exponent, Self::Class, Self::Samples];
 
+    /// The one after it, the first after the last.
+    pub fn next(self) -> Self {
+        let at = Self::ALL.iter().position(|overlay| *overlay == self).unwrap_or(0);
+        Self::ALL[(at + 1) % Self::ALL.len()]
+    }
+
     /// As it is offered.
     pub fn label(self) -> &'static str {
         match self {
@@ -188,28 +205,6 @@ pub struct TradeWords {
     pub lattice: u32,
 }
 
-/// Point sets, and what is measured of them. The samplers are those of the studies.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
-pub struct PatternWords {
-    /// The sampler whose set is seen, with its scramble after a plus sign.
-    pub sampler: String,
-    /// N of the set and of the spectra.
-    pub n: u64,
-    /// Dimensions of the points.
-    pub dim: usize,
-    /// The two that are seen.
-    pub axes: [usize; 2],
-    /// The trial that is seen.
-    pub trial: u32,
-    /// Sets that spectra and discrepancies are the means of.
-    pub sets: u32,
-    /// Discrepancy that is measured.
-    pub measure: String,
-    /// Sample counts that it is measured at; empty for the default of `stratcli discrepancy`.
-    pub counts: String,
-}
-
 impl Default for State {
     fn default() -> Self {
         Self {
@@ -223,6 +218,7 @@ impl Default for State {
             trade: TradeWords::default(),
             patterns: PatternWords::default(),
             page: Page::default(),
+            strata: true,
             dark: true,
             layout: Layout::default(),
         }
@@ -274,34 +270,29 @@ impl Default for TradeWords {
     }
 }
 
-impl Default for PatternWords {
-    fn default() -> Self {
-        Self {
-            sampler: "jittered".to_owned(),
-            n: 256,
-            dim: 2,
-            axes: [0, 1],
-            trial: 0,
-            sets: 50,
-            measure: "edge".to_owned(),
-            counts: String::new(),
+impl StudyWords {
+    /// The same with a sampler of the shelf added, or removed if it was there; none where it is
+    /// the last one.
+    pub fn with_sampler_switched(&self, name: &str) -> Option<Self> {
+        let mut words = self.clone();
+        match self.place_of(name) {
+            Some(_) if words.samplers.len() == 1 => return None,
+            Some(place) => drop(words.samplers.remove(place)),
+            None => words.samplers.push(name.to_owned()),
         }
+        Some(words)
+    }
+
+    /// Where a sampler stands, under whatever scramble.
+    pub fn place_of(&self, name: &str) -> Option<usize> {
+        self.samplers.iter().position(|word| word.split('+').next() == Some(name))
     }
 }
 
-impl PatternWords {
-    /// The same in so many dimensions: with axes that they have, and a discrepancy that is
-    /// defined there.
-    pub fn in_dim(mut self, dim: usize) -> Self {
-        self.dim = dim;
-        if self.axes.iter().any(|axis| *axis >= dim) {
-            self.axes = [0, 1];
-        }
-        let is_defined = |measure: Measure| measure.check(dim).is_ok();
-        if self.measure.parse().is_ok_and(|measure| !is_defined(measure)) {
-            self.measure = Measure::Centred.name().to_owned();
-        }
-        self
+impl TheoryWords {
+    /// The fewest and the most dimensions that are offered of an integrand.
+    pub fn dimensions(info: &IntegrandInfo) -> [usize; 2] {
+        [info.min_dim, info.max_dim.min(16)]
     }
 }
 
@@ -342,5 +333,14 @@ mod tests {
         assert_eq!(state.recent[0], "9.toml");
         state.remember("5.toml");
         assert_eq!((state.recent[0].as_str(), state.recent.len()), ("5.toml", 8));
+    }
+
+    #[test]
+    fn one_sampler_always_remains() {
+        let study = StudyWords { samplers: vec!["sobol+owen".to_owned()], ..StudyWords::default() };
+        assert_eq!(study.with_sampler_switched("sobol"), None);
+        let two = study.with_sampler_switched("lhs").unwrap();
+        assert_eq!(two.samplers, ["sobol+owen", "lhs"]);
+        assert_eq!(two.with_sampler_switched("sobol").unwrap().samplers, ["lhs"]);
     }
 }

@@ -129,16 +129,12 @@ impl Work {
     pub fn start_map(&mut self, state: &State, model: &mut Model) {
         let Some(traced) = traced(model) else { return };
         model.map.reset(traced.scene().camera.resolution, None);
-        let plan = line::study_plan(&line::map_pixel(state), 2);
-        match plan {
-            Ok(plan) => {
-                let channel = line::channel(&state.study.channel);
-                let (way, wake) = (self.way.clone(), self.wake.clone());
-                model.map_progress = Progress::Running(0.0);
-                self.map = Some(map::map(&traced, channel, plan, way, wake));
-            }
-            Err(fault) => model.map_progress = Progress::Failed(fault),
-        }
+        model.map_progress = Progress::Running(0.0);
+        let channel = line::channel(&state.study.channel);
+        let words = line::map_pixel(state);
+        let plan_in = move |dim| line::study_plan(&words, dim);
+        let (way, wake) = (self.way.clone(), self.wake.clone());
+        self.map = Some(map::map(&traced, channel, plan_in, way, wake));
     }
 
     /// Stops the map; what is finished stays.

@@ -17,7 +17,7 @@ use stratcore::integrand::Integrand;
 use stratcore::scene::{self, Channel, Light, Rgb, Scene};
 use stratcore::study::Control;
 use stratcore::theory::Class;
-use stratcore::trace::{Path, TracedScene};
+use stratcore::trace::{Route, TracedScene};
 
 #[derive(Serialize)]
 struct Inspection {
@@ -99,7 +99,7 @@ impl MemoryFacts {
 #[derive(Serialize)]
 struct PathFacts {
     class: Class,
-    path: Path,
+    path: Route,
     pixels: u32,
 }
 

@@ -5,6 +5,8 @@ use crate::cli::{Common, PixelArgs};
 use crate::plan;
 use anyhow::{Result, ensure};
 use serde::Serialize;
+use stratcore::StudyError;
+use stratcore::dimensions::predict_pixel;
 use stratcore::exact::TOLERANCE;
 use stratcore::integrand::Integrand;
 use stratcore::scene::Scene;
@@ -26,9 +28,16 @@ pub fn run(args: &PixelArgs, common: &Common) -> Result<Outcome> {
     let title = format!("{name}, pixel {},{}, {channel_name}", pixel[0], pixel[1]);
     let subject = Subject { scene: &name, channel: channel_name };
     let integrand = traced.pixel(pixel, channel);
-    let by = |plan: &_, until, control: Control<'_>| match args.exact {
-        true => Ok((ExactStudy::new(plan, TOLERANCE)?.pixel(&integrand, pixel, control)?, None)),
-        false => measure::by_trials(&integrand, pixel, plan, until, control),
+    let by = |plan: &_, until, control: Control<'_>| {
+        let (mut result, stop) = match args.exact {
+            true => (ExactStudy::new(plan, TOLERANCE)?.pixel(&integrand, pixel, control)?, None),
+            false => measure::by_trials(&integrand, pixel, plan, until, control)?,
+        };
+        match predict_pixel(&mut result, &integrand, control) {
+            // What was finished is kept.
+            Ok(()) | Err(StudyError::Cancelled) => Ok((result, stop)),
+            Err(error) => Err(error),
+        }
     };
     measure::run(subject, &title, integrand.dim(), &by, &args.study, common)
 }

@@ -1,9 +1,10 @@
 //! Samplers compared over the maps of several scenes: one page that carries everything, and the
 //! same in short as text.
 
+use super::html;
 use super::page::table;
 use crate::table::{Align, columns, number};
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 use stratcore::map::{Comparison, Header, Summary};
 use stratcore::theory::Class;
 
@@ -98,32 +99,17 @@ fn winners(scenes: &[Scene]) -> Vec<Vec<String>> {
 
 /// The whole page.
 pub fn render(title: &str, scenes: &[Scene]) -> String {
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (title) ": samplers compared" }
-                style { (PreEscaped(include_str!("page.css"))) }
-            }
-            body { main {
-                header {
-                    h1 { (title) ": samplers compared" }
-                    p.lead { (lead(scenes)) }
-                }
-                h2 { "Which sampler wins where" }
-                (best(scenes))
-                h2 { "What scenes are made of" }
-                (shares(scenes))
-                @for scene in scenes { (one(scene)) }
-                h2 { "Method" }
-                (method(scenes))
-                footer { "stratcli " (env!("CARGO_PKG_VERSION")) }
-            } }
-        }
+    let lead = html! { (lead(scenes)) };
+    let body = html! {
+        h2 { "Which sampler wins where" }
+        (best(scenes))
+        h2 { "What scenes are made of" }
+        (shares(scenes))
+        @for scene in scenes { (one(scene)) }
+        h2 { "Method" }
+        (method(scenes))
     };
-    page.into_string()
+    html::page(&format!("{title}: samplers compared"), &lead, &body)
 }
 
 fn lead(scenes: &[Scene]) -> String {

@@ -1,8 +1,9 @@
 //! The acceptance table of the literature as one HTML page, as CSV, and as text.
 
-use super::page::{self, Figure, signs};
+use super::html;
+use super::page::{Figure, signs};
 use crate::table::{Align, columns, number, short, with_error};
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 use serde::Serialize;
 use stratcore::literature::{BOUND, Effort, Finding, Measured, Relation, Standing, Verdict};
 
@@ -193,47 +194,24 @@ fn quoted(field: &str) -> String {
 
 /// The whole page; `report` if the paper's page lies beside it.
 pub fn render(table: &Table, figures: &[Figure], report: bool) -> String {
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (TITLE) }
-                style { (PreEscaped(include_str!("page.css"))) }
-            }
-            body { main {
-                header {
-                    h1 { (TITLE) }
-                    p.lead { "Each statement about samplers with its source, the number it leads \
-                              one to expect, and the number found here with its standard error." }
-                }
-                @if !table.complete {
-                    p.warning { "This table is not complete: what is missing was not finished." }
-                }
-                p { strong { (table.summary()) "." } }
-                .figures { @for figure in figures {
-                    figure id=(figure.name) {
-                        (PreEscaped(&figure.inline))
-                        figcaption { (figure.caption) }
-                    }
-                } }
-                h2 { "Overview" }
-                (overview(table))
-                h2 { "Claims" }
-                (rule())
-                @for claim in &table.claims { (section(claim)) }
-                h2 { "Made again by" }
-                p { code { (table.command) } }
-                p { "Seed " (table.seed) ". The same seed gives the same numbers on any number of \
-                     threads." }
-                @if report { p { a href=(page::NAME) { "The paper's own figures" } " are beside \
-                                                        this page." } }
-                footer { "stratcli " (env!("CARGO_PKG_VERSION")) }
-            } }
-        }
+    let lead = html! {
+        "Each statement about samplers with its source, the number it leads one to expect, and \
+         the number found here with its standard error."
     };
-    page.into_string()
+    let body = html! {
+        @if !table.complete {
+            p.warning { "This table is not complete: what is missing was not finished." }
+        }
+        p { strong { (table.summary()) "." } }
+        .figures { @for figure in figures { (html::figure(figure, "")) } }
+        h2 { "Overview" }
+        (overview(table))
+        h2 { "Claims" }
+        (rule())
+        @for claim in &table.claims { (section(claim)) }
+        (html::made_again(&table.command, table.seed, report))
+    };
+    html::page(TITLE, &lead, &body)
 }
 
 /// A line for each claim, with how its rows ended.

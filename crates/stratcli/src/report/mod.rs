@@ -7,6 +7,7 @@ pub mod dimensions;
 pub mod discrepancy;
 pub mod gain;
 pub mod histogram;
+mod html;
 pub mod literature;
 pub mod loglog;
 pub mod needed;

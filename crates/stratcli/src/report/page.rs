@@ -1,8 +1,9 @@
 //! The report as one HTML page that carries everything it shows.
 
+use super::html;
 use super::summary::{ClaimRow, Claims, FormFactor, FormFactorCase, Pixels, Protocol, Summary};
 use crate::table::number;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 
 /// A figure, ready for the page.
 pub struct Figure {
@@ -13,6 +14,9 @@ pub struct Figure {
     /// The drawing as an HTML element.
     pub inline: String,
 }
+
+/// The page's heading.
+const TITLE: &str = "Stratified sampling, measured again";
 
 /// The page's file.
 pub const NAME: &str = "report.html";
@@ -33,67 +37,49 @@ pub fn render(summary: &Summary, figures: &[Figure]) -> String {
     let show = |name: &str, class: &str| -> Markup {
         html! {
             @for figure in figures.iter().filter(|f| f.name == name) {
-                figure id=(figure.name) class=(class) {
-                    (PreEscaped(&figure.inline))
-                    figcaption { (figure.caption) }
-                }
+                (html::figure(figure, class))
             }
         }
     };
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { "Stratified sampling, measured again" }
-                style { (PreEscaped(include_str!("page.css"))) }
-            }
-            body { main {
-                header {
-                    h1 { "Stratified sampling, measured again" }
-                    p.lead {
-                        "D. P. Mitchell, " em { "Consequences of Stratified Sampling in Graphics" }
-                        " (SIGGRAPH 1996), reproduced on the ray-traced scene " (protocol.scene)
-                        ": each of the paper's numbers beside ours, with its uncertainty."
-                    }
-                }
-                @if !summary.complete {
-                    p.warning { "This report is not complete: what is missing was not finished." }
-                }
-                h2 { "Paper beside ours" }
-                (verdicts(summary))
-                h2 { "The picture" }
-                .figures { (show("fig1-picture", "wide narrow")) }
-                h2 { "How fast the pixels converge" }
-                p {
-                    "Each pixel is estimated " (protocol.trials) " times from N samples, for N = "
-                    (span(&protocol.counts)) ". The variance of those means falls as N"
-                    sup { "−p" } "; p is the slope of a least-square line in log space."
-                }
-                .figures {
-                    (show("fig2-random", "")) (show("fig4-jittered", ""))
-                    (show("fig4-map", "wide"))
-                }
-                @if let Some(pixels) = &summary.pixels { (classes(pixels, protocol)) }
-                h2 { "One pixel, and three kinds of pixel" }
-                .figures { (show("fig3-one-pixel", "wide narrow")) (show("fig5-close-ups", "wide")) }
-                h2 { "Four dimensions: a form factor" }
-                .figures {
-                    (show("form-factor", "")) (show("form-factor-occluded", ""))
-                    (show("form-factor-sides", "wide narrow"))
-                }
-                @if let Some(form_factor) = &summary.form_factor { (four_dimensions(form_factor)) }
-                h2 { "The closing claims" }
-                .figures { (show("claims-gain", "wide narrow")) }
-                @if let Some(found) = &summary.claims { (claims(found)) }
-                h2 { "Method" }
-                (method(summary))
-                footer { "stratcli " (env!("CARGO_PKG_VERSION")) }
-            } }
-        }
+    let lead = html! {
+        "D. P. Mitchell, " em { "Consequences of Stratified Sampling in Graphics" }
+        " (SIGGRAPH 1996), reproduced on the ray-traced scene " (protocol.scene)
+        ": each of the paper's numbers beside ours, with its uncertainty."
     };
-    page.into_string()
+    let body = html! {
+        @if !summary.complete {
+            p.warning { "This report is not complete: what is missing was not finished." }
+        }
+        h2 { "Paper beside ours" }
+        (verdicts(summary))
+        h2 { "The picture" }
+        .figures { (show("fig1-picture", "wide narrow")) }
+        h2 { "How fast the pixels converge" }
+        p {
+            "Each pixel is estimated " (protocol.trials) " times from N samples, for N = "
+            (span(&protocol.counts)) ". The variance of those means falls as N"
+            sup { "−p" } "; p is the slope of a least-square line in log space."
+        }
+        .figures {
+            (show("fig2-random", "")) (show("fig4-jittered", ""))
+            (show("fig4-map", "wide"))
+        }
+        @if let Some(pixels) = &summary.pixels { (classes(pixels, protocol)) }
+        h2 { "One pixel, and three kinds of pixel" }
+        .figures { (show("fig3-one-pixel", "wide narrow")) (show("fig5-close-ups", "wide")) }
+        h2 { "Four dimensions: a form factor" }
+        .figures {
+            (show("form-factor", "")) (show("form-factor-occluded", ""))
+            (show("form-factor-sides", "wide narrow"))
+        }
+        @if let Some(form_factor) = &summary.form_factor { (four_dimensions(form_factor)) }
+        h2 { "The closing claims" }
+        .figures { (show("claims-gain", "wide narrow")) }
+        @if let Some(found) = &summary.claims { (claims(found)) }
+        h2 { "Method" }
+        (method(summary))
+    };
+    html::page(TITLE, &lead, &body)
 }
 
 /// `1, 4, 9, …, 256`

@@ -1,10 +1,11 @@
 //! The table of numerical extremes as text, as CSV, and as one HTML page that says what
 //! precision can be trusted and why.
 
+use super::html;
 use super::page::{Figure, signs};
 use crate::output::csv_line;
 use crate::table::{Align, columns, number};
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, PreEscaped, html};
 use serde::Serialize;
 use stratcore::literature::Effort;
 use stratcore::stability::{Measured, Row, Verdict};
@@ -117,38 +118,21 @@ pub fn csv(table: &Table) -> String {
 /// The whole page.
 pub fn render(table: &Table, figures: &[Figure]) -> String {
     const TITLE: &str = "What precision can be trusted";
-    let page = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (TITLE) }
-                style { (PreEscaped(include_str!("page.css"))) }
-            }
-            body { main {
-                header {
-                    h1 { (TITLE) }
-                    p.lead { "Numerical extremes, each tried: what f32 and f64 do there, how far \
-                              this program is from a reference of higher precision, and the \
-                              floor below which a number means nothing." }
-                }
-                @if !table.complete {
-                    p.warning { "This table is not complete: what is missing was not finished." }
-                }
-                p { strong { (table.summary()) "." } }
-                (overview(table))
-                (reading())
-                @for family in &table.families { (section(family, figures)) }
-                h2 { "Made again by" }
-                p { code { (table.command) } }
-                p { "Seed " (table.seed) ". The same seed gives the same numbers on any number of \
-                     threads." }
-                footer { "stratcli " (env!("CARGO_PKG_VERSION")) }
-            } }
-        }
+    let lead = html! {
+        "Numerical extremes, each tried: what f32 and f64 do there, how far this program is from \
+         a reference of higher precision, and the floor below which a number means nothing."
     };
-    page.into_string()
+    let body = html! {
+        @if !table.complete {
+            p.warning { "This table is not complete: what is missing was not finished." }
+        }
+        p { strong { (table.summary()) "." } }
+        (overview(table))
+        (reading())
+        @for family in &table.families { (section(family, figures)) }
+        (html::made_again(&table.command, table.seed, false))
+    };
+    html::page(TITLE, &lead, &body)
 }
 
 /// A line for each family: what may be relied on.

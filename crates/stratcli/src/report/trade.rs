@@ -5,9 +5,10 @@ pub mod words;
 
 use super::axis::{self, Axis, INK, MUTED, SMALL, plain};
 use super::chart::{Style, label, styles};
+use super::html;
 use super::page;
 use super::svg::{Rect, Stroke, Svg, Type};
-use maud::{DOCTYPE, PreEscaped, html};
+use maud::{PreEscaped, html};
 use stratcore::trade::{SamplerTrade, Target, TradeResult, TradeRow};
 
 /// The page's file.
@@ -119,49 +120,37 @@ pub fn render(
     tables: &[(String, Vec<Vec<String>>)],
     report: bool,
 ) -> String {
-    let markup = html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (TITLE) ": " (title) }
-                style { (PreEscaped(include_str!("page.css"))) }
+    let lead = html! {
+        "What each sampler's error costs in time, and which of them is the cheapest for a wanted \
+         error."
+    };
+    let body = html! {
+        @for sentence in sentences { p { (sentence) } }
+        .figures { figure class="wide narrow" {
+            (PreEscaped(chart.to_inline()))
+            figcaption {
+                "RMS error of one estimate against its time. Bars are the 95 % interval of \
+                 the error and the quartiles of the time; the grey band is the Pareto \
+                 front, and dashed lines are the targets. A target is reached where 95 of \
+                 100 runs are off by no more: for one pixel at half this RMS error."
             }
-            body { main {
-                header {
-                    h1 { (TITLE) }
-                    p.lead { (title) }
+        } }
+        @for (title, rows) in tables {
+            h2 { (title) }
+            .table { table {
+                @for row in rows.iter().take(1) {
+                    thead { tr { @for cell in row { th { (cell) } } } }
                 }
-                @for sentence in sentences { p { (sentence) } }
-                .figures { figure class="wide narrow" {
-                    (PreEscaped(chart.to_inline()))
-                    figcaption {
-                        "RMS error of one estimate against its time. Bars are the 95 % interval of \
-                         the error and the quartiles of the time; the grey band is the Pareto \
-                         front, and dashed lines are the targets. A target is reached where 95 of \
-                         100 runs are off by no more: for one pixel at half this RMS error."
-                    }
+                tbody { @for row in rows.iter().skip(1) {
+                    tr { @for cell in row { td.number { (cell) } } }
                 } }
-                @for (title, rows) in tables {
-                    h2 { (title) }
-                    .table { table {
-                        @for row in rows.iter().take(1) {
-                            thead { tr { @for cell in row { th { (cell) } } } }
-                        }
-                        tbody { @for row in rows.iter().skip(1) {
-                            tr { @for cell in row { td.number { (cell) } } }
-                        } }
-                    } }
-                }
-                h2 { "Method" }
-                p { (method) }
-                @if report {
-                    p { "Beside this page: " a href=(page::NAME) { "the paper's own figures" } "." }
-                }
-                footer { "stratcli " (env!("CARGO_PKG_VERSION")) }
             } }
         }
+        h2 { "Method" }
+        p { (method) }
+        @if report {
+            p { "Beside this page: " a href=(page::NAME) { "the paper's own figures" } "." }
+        }
     };
-    markup.into_string()
+    html::page(&format!("{TITLE}: {title}"), &lead, &body)
 }

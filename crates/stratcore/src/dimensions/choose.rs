@@ -1,6 +1,6 @@
 //! Which pixels of a picture are studied: a rule, not a hand.
 
-use super::draw::{Draws, Estimate};
+use super::draw::{Draws, Estimate, Purpose};
 use super::needs::{Groups, Split, is_smooth};
 use crate::error::StudyError;
 use crate::integrand::Integrand as _;
@@ -108,8 +108,9 @@ fn look(
     let split =
         Split::new(groups, 1 + n_features, |part, set| part == 0 || set >> (part - 1) & 1 == 1);
     let parts: [Estimate; 1 + MOST_FEATURES] =
-        draws
-            .means(2, CORNERS, 2 * dim, |uniform, scratch| split.parts(draws, uniform, scratch))?;
+        draws.means(Purpose::Features, CORNERS, 2 * dim, |uniform, scratch| {
+            split.parts(draws, uniform, scratch)
+        })?;
     let moved = parts[1..=n_features].iter().map(|part| part.value).collect();
     let jumps = !codimension(draws, 1024)?.is_some_and(is_smooth);
     Ok(Look { pixel, moved, variance: parts[0].value, jumps })
@@ -120,7 +121,7 @@ fn look(
 pub(super) fn codimension(draws: Draws<'_>, pairs: u32) -> Result<Option<f64>, StudyError> {
     const STRATA: [f64; 2] = [8.0, 64.0];
     let dim = draws.integrand.dim();
-    let [coarse, fine] = draws.means(3, pairs, 2 * dim, |uniform, scratch| {
+    let [coarse, fine] = draws.means(Purpose::Glance, pairs, 2 * dim, |uniform, scratch| {
         let (x, u) = uniform.split_at(dim);
         scratch.points.clear();
         scratch.points.extend_from_slice(x);

@@ -25,7 +25,7 @@ impl Estimate {
     }
 }
 
-/// Draws of one pixel: addressed apart from all samplers', and from one another by `purpose`.
+/// Draws of one pixel: addressed apart from all samplers', and from one another by purpose.
 #[derive(Clone, Copy)]
 pub(super) struct Draws<'a> {
     pub integrand: &'a dyn Integrand,
@@ -36,6 +36,45 @@ pub(super) struct Draws<'a> {
 
 /// Number of these streams. No sampler has it.
 const STREAM: u8 = 254;
+
+/// What draws are for. Each has addresses of its own: no number is used for two questions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Purpose {
+    /// The parts of the variance, of a pixel that is studied.
+    Parts,
+    /// The parts that each feature moves, while pixels are chosen.
+    Features,
+    /// How differences fall with the strata, at a glance.
+    Glance,
+    /// Whether a pixel varies at all.
+    Spread,
+    /// Differences along one axis.
+    Along {
+        /// The axis.
+        axis: usize,
+    },
+    /// Differences within cells of the axes of a mask, so many strata along each.
+    Within {
+        /// A bit for each axis.
+        axes: u32,
+        /// Strata along each.
+        strata: u64,
+    },
+}
+
+impl Purpose {
+    /// Below 2^5 the first four, then the axes; the cells from 2^32 on.
+    fn address(self) -> u64 {
+        match self {
+            Self::Parts => 1,
+            Self::Features => 2,
+            Self::Glance => 3,
+            Self::Spread => 4,
+            Self::Along { axis } => 16 + axis as u64,
+            Self::Within { axes, strata } => 1 << 32 | u64::from(axes) << 20 | strata & 0xf_ffff,
+        }
+    }
+}
 
 /// Draws that one task makes.
 const BLOCK: u32 = 128;
@@ -57,16 +96,17 @@ impl Scratch {
 
 impl Draws<'_> {
     /// Means over `n` draws of the `N` numbers that `statistic` makes of `coordinates` uniform
-    /// ones.
+    /// ones. Two calls of one purpose see the same draws.
     pub fn means<const N: usize>(
         self,
-        purpose: u64,
+        purpose: Purpose,
         n: u32,
         coordinates: usize,
         statistic: impl Fn(&[f64], &mut Scratch) -> [f64; N] + Sync,
     ) -> Result<[Estimate; N], StudyError> {
         let Self { seed, pixel, control, .. } = self;
-        let key = StreamKey { seed, pixel, sampler: STREAM, n_samples: purpose, trial: 0 };
+        let n_samples = purpose.address();
+        let key = StreamKey { seed, pixel, sampler: STREAM, n_samples, trial: 0 };
         key.check()?;
         let scramble = Scramble::None;
         let set = PointSet { key, dim: coordinates, scramble, rectangular: false };

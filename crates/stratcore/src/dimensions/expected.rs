@@ -3,15 +3,15 @@
 //! One uniform point in each of N cells has the variance (1/N) ½ E (f(X) - f(Y))², X and Y in
 //! one random cell: METHOD (10), estimated with as many pairs at N = 10^12 as at N = 16.
 
-use super::draw::{Draws, Estimate};
+use super::draw::{Draws, Estimate, Purpose};
 use super::needs::{Groups, Needs, mask, pairs, singles};
 use crate::error::StudyError;
 use serde::Serialize;
 
-/// A sampler that places some axes in cells together, and joins these sets at random.
+/// Which axes a sampler places in cells together; it joins these sets at random.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Cells {
-    /// No cells: `random`.
+pub enum Grouping {
+    /// None, there are no cells: `random`.
     None,
     /// All axes: `jittered`.
     Together,
@@ -32,7 +32,7 @@ pub struct Expected {
     pub std_error: f64,
 }
 
-impl Cells {
+impl Grouping {
     fn groups(self, dim: usize) -> Groups {
         match self {
             Self::None => Vec::new(),
@@ -106,8 +106,7 @@ fn within_cells(
 ) -> Result<Estimate, StudyError> {
     let dim = draws.integrand.dim();
     let all = axes.len() == dim;
-    // An address for each set of axes and each grid.
-    let purpose = 1 << 32 | u64::from(mask(axes)) << 20 | strata as u64 & 0xf_ffff;
+    let purpose = Purpose::Within { axes: mask(axes), strata: strata as u64 };
     let coordinates = axes.len() + dim + if all { 0 } else { dim };
     let [found] = draws.means(purpose, n, coordinates, |uniform, scratch| {
         let (moved, choices) = uniform.split_at(axes.len());

@@ -3,7 +3,7 @@
 use super::choose::{Kind, features};
 use super::combination::Combination;
 use super::draw::{Draws, Estimate};
-use super::expected::{Cells, Expected, within_cube};
+use super::expected::{Expected, Grouping, within_cube};
 use super::needs::Needs;
 use super::predict::{Bound, Limit, limit};
 use crate::error::StudyError;
@@ -14,13 +14,13 @@ use crate::study::{Row, SamplerChoice, SamplerResult, StudyPlan, study};
 use serde::Serialize;
 
 /// The families: full grid, sets padded two by two, points of all dimensions. With each, the
-/// cells that its variance follows from without trials, where it has such.
-pub const FAMILIES: &[(&str, Option<Cells>)] = &[
-    ("random", Some(Cells::None)),
-    ("jittered", Some(Cells::Together)),
-    ("jittered-padded", Some(Cells::Pairs)),
+/// axes that share cells, from which its variance follows without trials, where it has such.
+pub const FAMILIES: &[(&str, Option<Grouping>)] = &[
+    ("random", Some(Grouping::None)),
+    ("jittered", Some(Grouping::Together)),
+    ("jittered-padded", Some(Grouping::Pairs)),
     ("padded", None),
-    ("lhs", Some(Cells::Axes)),
+    ("lhs", Some(Grouping::Axes)),
     ("oa", None),
     ("sobol", None),
 ];
@@ -133,7 +133,7 @@ pub(super) fn measure(
     let Draws { integrand, seed, pixel, control } = draws;
     let dim = needs.dim();
     let mut samplers = Vec::with_capacity(FAMILIES.len());
-    for (name, cells) in FAMILIES {
+    for (name, grouping) in FAMILIES {
         let choice = SamplerChoice::named(name)?;
         let counts = size.counts(choice.sampler, dim)?;
         let plan = StudyPlan {
@@ -145,12 +145,11 @@ pub(super) fn measure(
         };
         let result = study(integrand, pixel, &plan, control)?.samplers.remove(0);
         // Slabs leave little within: a few differences tell.
-        let pairs = if *cells == Some(Cells::Axes) { size.pairs / 8 } else { size.pairs };
-        let expected =
-            |n: &u64| cells.map(|cells| cells.expected(draws, &needs, *n, pairs)).transpose();
+        let pairs = if *grouping == Some(Grouping::Axes) { size.pairs / 8 } else { size.pairs };
+        let expected = |n: &u64| grouping.map(|g| g.expected(draws, &needs, *n, pairs)).transpose();
         let expected: Vec<Expected> =
             counts.iter().filter_map(|n| expected(n).transpose()).collect::<Result<_, _>>()?;
-        samplers.push(sampler_row(name, result, limit(name, &needs), expected));
+        samplers.push(sampler_row(name, result, limit(name, choice.scramble, &needs), expected));
     }
     let far = far(draws, size.pairs)?;
     let figure = figure(combination, kind, pixel, &needs, &samplers);

@@ -20,9 +20,11 @@ mod tests;
 pub use choose::{Kind, LATTICE};
 pub use combination::{COMBINATIONS, Combination};
 pub use draw::Estimate;
-pub use expected::{Cells, Expected};
+pub use expected::{Expected, Grouping};
 pub use filters::{FILTERED_SCENE, FilterRow, filters};
 pub use measure::{FAMILIES, Far, PixelTable, SamplerRow};
 pub use needs::{AxisNeeds, Behaviour, MOST_DIMENSIONS, Needs};
-pub use predict::{Bound, Limit, limit};
+pub use predict::{
+    Bound, Limit, lacks_predictions, limit, needs_of_pixel, predict_from, predict_pixel,
+};
 pub use survey::{SURVEYED, survey};

@@ -6,7 +6,7 @@
 //! which gives padded sets, Latin hypercubes and orthogonal arrays their exponent of 1 and its
 //! constant (Stein 1987; Owen 1992).
 
-use super::draw::{Draws, Estimate, Scratch};
+use super::draw::{Draws, Estimate, Purpose, Scratch};
 use crate::error::StudyError;
 use crate::integrand::Integrand;
 use crate::study::Control;
@@ -41,9 +41,9 @@ pub struct AxisNeeds {
     /// How f behaves along it.
     pub behaviour: Behaviour,
     /// Codimension of what f jumps across along this axis: mean squares of differences within
-    /// 1/K of it fall as K^-this from K = 16 to 128. About 1 with jumps, 2 without; none for an
-    /// axis without use.
-    pub codimension: Option<f64>,
+    /// 1/K of it fall as K^-this from K = 16 to 128. About 1 with jumps, 2 without, 0 where
+    /// detail is finer; none for an axis without use, and where jumps were met at K = 16 alone.
+    pub codimension: Option<Estimate>,
 }
 
 /// How f behaves along an axis.
@@ -56,6 +56,8 @@ pub enum Behaviour {
     Smooth,
     /// It jumps.
     Jumps,
+    /// It jumps so often that strata of 1/128 do not tell the jumps apart.
+    Detail,
 }
 
 impl std::fmt::Display for Behaviour {
@@ -64,6 +66,7 @@ impl std::fmt::Display for Behaviour {
             Self::Unused => "unused",
             Self::Smooth => "smooth",
             Self::Jumps => "jumps",
+            Self::Detail => "detail",
         })
     }
 }
@@ -111,7 +114,9 @@ impl Needs {
         });
         let n = (evaluations >> dim).max(64);
         let parts: [Estimate; 4 + MOST_DIMENSIONS] =
-            draws.means(1, n, 2 * dim, |uniform, scratch| sums.parts(draws, uniform, scratch))?;
+            draws.means(Purpose::Parts, n, 2 * dim, |uniform, scratch| {
+                sums.parts(draws, uniform, scratch)
+            })?;
         let variance = parts[0];
         let axes = integrand.axes().into_iter().enumerate().map(|(axis, name)| {
             let share = match variance.value {
@@ -126,7 +131,7 @@ impl Needs {
                 }
             };
             let [coarse, fine] = differences_along(draws, axis, evaluations)?;
-            let (behaviour, codimension) = behaviour(coarse.value, fine.value);
+            let (behaviour, codimension) = behaviour(coarse, fine);
             Ok(AxisNeeds { name, share, behaviour, codimension })
         });
         let axes = axes.collect::<Result<_, StudyError>>()?;
@@ -141,13 +146,38 @@ impl Needs {
 
     /// Axes along which f jumps: those that the edge depends on.
     pub fn jumping_axes(&self) -> usize {
-        self.axes.iter().filter(|axis| axis.behaviour == Behaviour::Jumps).count()
+        let jumps = |behaviour| matches!(behaviour, Behaviour::Jumps | Behaviour::Detail);
+        self.axes.iter().filter(|axis| jumps(axis.behaviour)).count()
+    }
+
+    /// Whether jumps along any axis are too many for strata of 1/128.
+    pub fn has_detail(&self) -> bool {
+        self.axes.iter().any(|axis| axis.behaviour == Behaviour::Detail)
     }
 
     /// Dimension k of the set that f jumps across: d - 1, however few axes the edge depends on,
-    /// for it runs along all others; none without a jump.
+    /// for it runs along all others; d where detail is everywhere; none without a jump.
     pub fn discontinuity_dim(&self) -> Option<usize> {
-        (self.jumping_axes() > 0).then(|| self.dim() - 1)
+        match self.dim() {
+            d if self.has_detail() => Some(d),
+            d if self.jumping_axes() > 0 => Some(d - 1),
+            _ => None,
+        }
+    }
+
+    /// Whether noise leaves no doubt about [`Needs::discontinuity_dim`]: one axis that surely
+    /// jumps decides, and without jumps every axis in use has to be surely smooth.
+    pub fn is_sure(&self) -> bool {
+        let decides = |axis: &&AxisNeeds| match self.discontinuity_dim() {
+            None => axis.behaviour == Behaviour::Smooth,
+            Some(k) if k == self.dim() => axis.behaviour == Behaviour::Detail,
+            Some(_) => axis.behaviour == Behaviour::Jumps,
+        };
+        let mut deciding = self.axes.iter().filter(decides).map(AxisNeeds::is_sure);
+        match self.discontinuity_dim() {
+            None => deciding.all(|sure| sure),
+            Some(_) => deciding.any(|sure| sure),
+        }
     }
 }
 
@@ -164,7 +194,7 @@ fn differences_along(
 ) -> Result<[Estimate; 2], StudyError> {
     let dim = draws.integrand.dim();
     let n = (evaluations / 3 / dim as u32).max(1024);
-    draws.means(16 + axis as u64, n, dim + 1, |uniform, scratch| {
+    draws.means(Purpose::Along { axis }, n, dim + 1, |uniform, scratch| {
         let (x, other) = uniform.split_at(dim);
         scratch.points.clear();
         scratch.points.extend_from_slice(x);
@@ -179,17 +209,45 @@ fn differences_along(
     })
 }
 
-fn behaviour(coarse: f64, fine: f64) -> (Behaviour, Option<f64>) {
-    if coarse == 0.0 && fine == 0.0 {
+fn behaviour(coarse: Estimate, fine: Estimate) -> (Behaviour, Option<Estimate>) {
+    if coarse.value == 0.0 && fine.value == 0.0 {
         return (Behaviour::Unused, None);
     }
-    if fine == 0.0 {
+    if fine.value == 0.0 || coarse.value == 0.0 {
         // A smooth f varies at every scale: these are jumps too rare to be met again.
         return (Behaviour::Jumps, None);
     }
-    let codimension = (coarse / fine).ln() / (FINE / COARSE).ln();
-    let behaviour = if is_smooth(codimension) { Behaviour::Smooth } else { Behaviour::Jumps };
-    (behaviour, Some(codimension))
+    let span = (FINE / COARSE).ln();
+    let value = (coarse.value / fine.value).ln() / span;
+    // Both are noisy; that they move together is left out.
+    let noise = |e: Estimate| e.std_error / e.value;
+    let std_error = noise(coarse).hypot(noise(fine)) / span;
+    let behaviour = match value {
+        c if is_detail(c) => Behaviour::Detail,
+        c if is_smooth(c) => Behaviour::Smooth,
+        _ => Behaviour::Jumps,
+    };
+    (behaviour, Some(Estimate { value, std_error }))
+}
+
+impl AxisNeeds {
+    /// Whether the codimension's 95 % interval keeps to its side of the half-way marks between
+    /// detail (0), jumps (1) and smoothness (2).
+    fn is_sure(&self) -> bool {
+        let Some(Estimate { value, std_error }) = self.codimension else { return true };
+        let [lo, hi] = [value - 1.96 * std_error, value + 1.96 * std_error];
+        match self.behaviour {
+            Behaviour::Unused => true,
+            Behaviour::Detail => hi < 0.5,
+            Behaviour::Jumps => lo > 0.5 && hi < 1.5,
+            Behaviour::Smooth => lo > 1.5,
+        }
+    }
+}
+
+/// Whether differences hardly fall at all: detail is finer than the strata.
+pub(super) fn is_detail(codimension: f64) -> bool {
+    codimension < 0.5
 }
 
 /// Whether differences fall as those of a smooth f: as the square of the strata. They fall faster

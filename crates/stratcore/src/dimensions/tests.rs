@@ -1,9 +1,10 @@
 //! What is found of an integrand against what is known of it.
 
-use super::expected::{Cells, within_cube};
+use super::expected::{Grouping, within_cube};
 use super::*;
 use crate::dimensions::draw::Draws;
 use crate::integrand::{Integrand, by_name};
+use crate::sampler::Scramble;
 use crate::study::{Control, SamplerChoice, StudyPlan, study};
 
 /// f = 2 x0 + (x0 - ½)(x1 - ½) + 3 (x0 - ½)(x2 - ½) + 30 (x0 - ½)(x1 - ½)(x2 - ½), and a step
@@ -54,9 +55,14 @@ fn a_known_integrand_is_taken_apart() {
     assert_eq!((found.jumping_axes(), found.discontinuity_dim()), (1, Some(4)));
 }
 
+/// Of a sampler in its default scramble.
+fn limit_of(sampler: &str, needs: &Needs) -> Option<Limit> {
+    limit(sampler, SamplerChoice::named(sampler).unwrap().scramble, needs)
+}
+
 #[test]
 fn predictions_follow_from_needs() {
-    let exponent = |sampler: &str, needs: &Needs| limit(sampler, needs).map(|l| l.exponent);
+    let exponent = |sampler: &str, needs: &Needs| limit_of(sampler, needs).map(|l| l.exponent);
     let found = needs(&Known);
     assert_eq!(exponent("jittered", &found), Some(1.2));
     for sampler in ["random", "jittered-padded", "padded", "lhs", "oa"] {
@@ -72,6 +78,41 @@ fn predictions_follow_from_needs() {
     assert_eq!(exponent("sobol", &smooth), Some(3.0));
     let constant = needs(&*by_name("constant", Some(2), &[]).unwrap());
     assert_eq!(exponent("random", &constant), None);
+    // Of another scramble nothing is known.
+    assert_eq!(limit("jittered", Scramble::TorusShift, &smooth), None);
+}
+
+/// Fields of 1/200: strata of 1/128 do not tell them apart. Fields of 1/6 are edges.
+#[test]
+fn detail_is_told_from_edges() {
+    let board = |frequency| {
+        let params = [("frequency".to_owned(), frequency)];
+        needs(&*by_name("checkerboard", Some(2), &params).unwrap())
+    };
+    let (fine, coarse) = (board(200.0), board(6.0));
+    assert_eq!((fine.discontinuity_dim(), coarse.discontinuity_dim()), (Some(2), Some(1)));
+    assert!(fine.is_sure() && coarse.is_sure());
+    let exponent = |needs| limit_of("jittered", needs).map(|l| l.exponent);
+    assert_eq!((exponent(&fine), exponent(&coarse)), (Some(1.0), Some(1.5)));
+    assert_eq!(limit_of("sobol", &fine), None);
+}
+
+/// Where the noise of a codimension reaches across a mark nothing is predicted but what does not
+/// depend on it.
+#[test]
+fn an_unsure_axis_predicts_nothing() {
+    let mut found = needs(&*by_name("gaussian", Some(2), &[]).unwrap());
+    assert!(found.is_sure());
+    for axis in &mut found.axes {
+        axis.codimension = Some(Estimate { value: 1.9, std_error: 0.3 });
+    }
+    assert!(!found.is_sure());
+    assert_eq!(limit_of("jittered", &found), None);
+    assert_eq!(limit_of("random", &found).map(|l| l.exponent), Some(1.0));
+    // One sure edge decides, whatever the other axis does.
+    found.axes[0].behaviour = Behaviour::Jumps;
+    found.axes[0].codimension = Some(Estimate { value: 1.0, std_error: 0.1 });
+    assert_eq!(limit_of("jittered", &found).map(|l| l.exponent), Some(1.5));
 }
 
 /// Differences within strata against variances in closed form, to 4.5 standard errors: twelve
@@ -98,7 +139,7 @@ fn differences_give_the_exact_variance_of_jittered() {
 #[test]
 fn padded_cells_have_the_expected_variance() {
     let found = needs(&Known);
-    for (sampler, cells) in [("jittered-padded", Cells::Pairs), ("lhs", Cells::Axes)] {
+    for (sampler, grouping) in [("jittered-padded", Grouping::Pairs), ("lhs", Grouping::Axes)] {
         let control = Control::unwatched();
         let plan = StudyPlan {
             samplers: vec![SamplerChoice::named(sampler).unwrap()],
@@ -109,7 +150,7 @@ fn padded_cells_have_the_expected_variance() {
         let result = study(&Known, [0, 0], &plan, control).unwrap();
         let draws = Draws { integrand: &Known, seed: 1996, pixel: [0, 0], control };
         for row in &result.samplers[0].rows {
-            let expected = cells.expected(draws, &found, row.n, 1 << 14).unwrap();
+            let expected = grouping.expected(draws, &found, row.n, 1 << 14).unwrap();
             let ratio = row.variance_of_mean / expected.variance;
             let unsure = (expected.std_error / expected.variance).powi(2) + row.var_ln();
             let z = (ratio - 1.0) / unsure.sqrt();

@@ -24,6 +24,11 @@ pub(super) const FORM_FACTOR: IntegrandInfo = IntegrandInfo {
     build: |_, params| Box::new(FormFactor { occluder: params[0] }),
 };
 
+/// A point of the one and a point of the other.
+pub(super) fn axes() -> Vec<String> {
+    ["from_u", "from_v", "to_u", "to_v"].map(str::to_owned).to_vec()
+}
+
 /// f = V cos²θ / (π r²) between a point (x0, x1) of one square and (x2, x3) of the other.
 struct FormFactor {
     /// Side of the occluder.
@@ -59,7 +64,7 @@ impl Integrand for FormFactor {
         4
     }
     fn axes(&self) -> Vec<String> {
-        ["from_u", "from_v", "to_u", "to_v"].map(str::to_owned).to_vec()
+        axes()
     }
     /// The ray is half way at ((x0 + x2)/2, (x1 + x3)/2).
     fn eval(&self, point: &[f64]) -> f64 {

@@ -6,14 +6,16 @@
 mod catalogue;
 mod checkerboard;
 mod disk;
+mod disks;
 mod exact;
 mod form_factor;
-mod form_factors;
 mod half_space;
 mod koch;
 mod linear;
+mod perpendicular;
 mod product;
 pub(crate) mod quadrature;
+mod rough_edge;
 mod step;
 #[cfg(test)]
 mod test_support;

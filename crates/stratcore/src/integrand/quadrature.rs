@@ -24,6 +24,23 @@ pub(crate) fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
         .collect()
 }
 
+/// The same rule in each of so many equal panels of [0, 1].
+pub(super) fn composite(count: usize, panels: u64) -> Vec<(f64, f64)> {
+    let rule = gauss_legendre(count);
+    let n = panels as f64;
+    (0..panels)
+        .flat_map(|panel| rule.iter().map(move |(x, w)| ((panel as f64 + x) / n, w / n)))
+        .collect()
+}
+
+/// Nodes that leave an error of 1e-12 or so of a function on [-1, 1] that is analytic but at
+/// least `away` off the real axis: it falls as ρ^(-2 nodes), ρ the sum of the half axes of the
+/// largest ellipse without a singularity. For one on the axis, at x, `away` is √(x² - 1).
+pub(super) fn nodes_for(away: f64) -> usize {
+    let ellipse = away + (away * away + 1.0).sqrt();
+    (1e12f64.ln() / (2.0 * ellipse.ln())).ceil().max(2.0) as usize
+}
+
 /// The Legendre polynomial of this degree and its derivative, inside (-1, 1).
 fn legendre(degree: usize, x: f64) -> (f64, f64) {
     let (mut before, mut here) = (1.0, x);
@@ -36,12 +53,8 @@ fn legendre(degree: usize, x: f64) -> (f64, f64) {
 
 /// ∫g over [0, 1]; `length` as in [`axis_moments`].
 pub(super) fn integral(length: f64, g: impl Fn(f64) -> f64) -> f64 {
-    let rule = gauss_legendre(12);
-    let panels = (1.0 / length).ceil().max(1.0);
-    (0..panels as u64)
-        .flat_map(|panel| rule.iter().map(move |(x, w)| ((panel as f64 + x) / panels, w / panels)))
-        .map(|(x, w)| w * g(x))
-        .sum()
+    let panels = (1.0 / length).ceil().max(1.0) as u64;
+    composite(12, panels).into_iter().map(|(x, w)| w * g(x)).sum()
 }
 
 /// Moments of `g` over the k strata of [0, 1]. `length` is how far `g` runs between features:

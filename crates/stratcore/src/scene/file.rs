@@ -1,16 +1,13 @@
 //! Scene files.
 
-use super::library::{self, Model, SCENES};
-use super::light_table::{LightTables, Lights};
+use super::library::{Model, SCENES};
+use super::light_table::Lights;
 use super::obj;
+use super::tables::{MeshTable, SceneFile, Shading, ShutterTable, colour, vector};
 use super::text::{document, shown};
-use super::{
-    Aperture, AreaLight, Camera, Distribution, Filter, FilterMethod, FilterShape, Lens, Light,
-    LightShape, MAX_COORDINATE, Motion, Rgb, Scene, SceneError,
-};
+use super::{AreaLight, Camera, Distribution, Light, LightShape, Motion, Scene, SceneError};
 use crate::input::{self, Open};
 use glam::DVec3;
-use serde::Deserialize;
 use std::cell::RefCell;
 use std::collections::HashSet;
 use std::path::Path;
@@ -62,96 +59,6 @@ fn read(spec: &str, open: Open<'_>) -> Result<Scene, SceneError> {
 /// Most meshes of a scene.
 const MAX_MESHES: usize = 1000;
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SceneFile {
-    camera: CameraTable,
-    #[serde(default)]
-    shading: Shading,
-    mesh: Vec<MeshTable>,
-    #[serde(default)]
-    background: BackgroundTable,
-    #[serde(default)]
-    light: LightTables,
-    lens: Option<LensTable>,
-    shutter: Option<ShutterTable>,
-    filter: Option<FilterTable>,
-    #[serde(default)]
-    paths: PathsTable,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct CameraTable {
-    eye: [f64; 3],
-    look_at: [f64; 3],
-    #[serde(default = "y_up")]
-    up: [f64; 3],
-    fov_y: f64,
-    resolution: [u32; 2],
-}
-
-fn y_up() -> [f64; 3] {
-    [0.0, 1.0, 0.0]
-}
-
-#[derive(Deserialize, Default, Clone, Copy, PartialEq)]
-#[serde(rename_all = "lowercase")]
-enum Shading {
-    #[default]
-    Flat,
-    Smooth,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct MeshTable {
-    path: Option<String>,
-    builtin: Option<String>,
-    /// How far the mesh moves while the shutter is open.
-    motion: Option<[f64; 3]>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields)]
-struct BackgroundTable {
-    radiance: Rgb,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct LensTable {
-    radius: f64,
-    focus_distance: f64,
-    /// Corners of the aperture; a disk without it.
-    blades: Option<u32>,
-    #[serde(default)]
-    rotation: f64,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ShutterTable {
-    #[serde(default)]
-    camera_motion: [f64; 3],
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct FilterTable {
-    kind: FilterShape,
-    radius: Option<f64>,
-    #[serde(default)]
-    method: FilterMethod,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-struct PathsTable {
-    specular_depth: u32,
-    bounces: u32,
-}
-
 fn from_toml(name: &str, text: &str, path: &Path, open: Open<'_>) -> Result<Scene, SceneError> {
     let file: SceneFile = toml::from_str(text).map_err(|e| {
         let start = e.span().map_or(0, |span| span.start);
@@ -160,10 +67,7 @@ fn from_toml(name: &str, text: &str, path: &Path, open: Open<'_>) -> Result<Scen
         let fault = format!("{fault}{}", way_out(&fault));
         SceneError::SceneFile { path: shown(path), line, fault }
     })?;
-    let CameraTable { eye, look_at, up, fov_y, resolution } = file.camera;
-    let [eye, look_at, up] = [eye, look_at, up].map(DVec3::from_array);
-    let camera = Camera { eye, look_at, up, fov_y, resolution };
-    camera.check().map_err(|fault| SceneError::Camera { path: shown(path), fault })?;
+    let camera = file.camera.read(path)?;
     let background = colour(path, "background radiance", file.background.radiance)?;
     let mut notes = Vec::new();
     let mut model = Model::default();
@@ -301,104 +205,6 @@ fn motion(
     Ok(Some(Motion { camera, vertices }))
 }
 
-impl LensTable {
-    fn read(self, file: &Path) -> Result<Lens, SceneError> {
-        let Self { radius, focus_distance, blades, rotation } = self;
-        let fault = |fault: String| Err(SceneError::Feature { path: shown(file), fault });
-        for (name, value) in [("radius", radius), ("focus_distance", focus_distance)] {
-            if !(value > 0.0 && value <= MAX_COORDINATE) {
-                return fault(format!("lens {name} is {value}; it lies above 0 and up to 1e15"));
-            }
-        }
-        if rotation.is_nan() || rotation.abs() > 360.0 {
-            return fault(format!("lens rotation is {rotation} degrees; it lies within ±360"));
-        }
-        let aperture = match blades {
-            None => Aperture::Disk,
-            Some(blades @ 3..=64) => Aperture::Blades { blades, rotation },
-            Some(blades) => return fault(format!("lens has {blades} blades; it may have 3 to 64")),
-        };
-        Ok(Lens { radius, focus_distance, aperture })
-    }
-}
-
-impl FilterTable {
-    fn read(self, file: &Path) -> Result<Filter, SceneError> {
-        const WIDEST: f64 = 64.0;
-        let radius = self.radius.unwrap_or_else(|| self.kind.usual_radius());
-        if !(radius > 0.0 && radius <= WIDEST) {
-            let fault = format!("filter radius is {radius} pixels; it lies above 0 and up to 64");
-            return Err(SceneError::Feature { path: shown(file), fault });
-        }
-        Ok(Filter::new(self.kind, radius, self.method))
-    }
-}
-
-impl PathsTable {
-    fn check(&self, file: &Path) -> Result<(), SceneError> {
-        let limits = [
-            ("specular_depth", self.specular_depth, Distribution::MAX_SPECULAR_DEPTH),
-            ("bounces", self.bounces, Distribution::MAX_BOUNCES),
-        ];
-        match limits.into_iter().find(|(_, value, most)| value > most) {
-            None => Ok(()),
-            Some((name, value, most)) => {
-                let fault = format!("paths {name} is {value}; it is at most {most}");
-                Err(SceneError::Feature { path: shown(file), fault })
-            }
-        }
-    }
-}
-
-impl MeshTable {
-    fn read(
-        &self,
-        file: &Path,
-        open: Open<'_>,
-        smooth: bool,
-        notes: &mut Vec<String>,
-    ) -> Result<Model, SceneError> {
-        let fault = match (&self.path, &self.builtin) {
-            (Some(path), None) => {
-                return obj::read(open, &file.with_file_name(path), smooth, notes);
-            }
-            (None, Some(name)) => match library::model(name) {
-                Some(mut model) => {
-                    if !smooth {
-                        model.mesh.corner_normals = None;
-                    }
-                    return Ok(model);
-                }
-                None => {
-                    let known = library::MODELS.join(", ");
-                    format!("no built-in mesh is called \"{name}\"; there are {known}")
-                }
-            },
-            _ => "each [[mesh]] has either a path or a builtin".to_owned(),
-        };
-        Err(SceneError::Feature { path: shown(file), fault })
-    }
-}
-
-pub(super) fn colour(file: &Path, name: &'static str, value: Rgb) -> Result<Rgb, SceneError> {
-    let is_colour = value.iter().all(|x| (0.0..f64::INFINITY).contains(x));
-    let wanted = "colours are three finite numbers of at least 0";
-    let path = shown(file);
-    is_colour.then_some(value).ok_or(SceneError::Value { path, name, value, wanted })
-}
-
-pub(super) fn vector(
-    file: &Path,
-    name: &'static str,
-    value: [f64; 3],
-) -> Result<DVec3, SceneError> {
-    let is_vector = value.iter().all(|x| x.abs() <= MAX_COORDINATE);
-    let wanted = "coordinates are numbers within ±1e15";
-    let path = shown(file);
-    let value_if_sound = is_vector.then(|| DVec3::from_array(value));
-    value_if_sound.ok_or(SceneError::Value { path, name, value, wanted })
-}
-
 fn from_obj(name: &str, path: &Path, open: Open<'_>) -> Result<Scene, SceneError> {
     let mut notes = Vec::new();
     let model = obj::read(open, path, false, &mut notes)?;
@@ -406,19 +212,8 @@ fn from_obj(name: &str, path: &Path, open: Open<'_>) -> Result<Scene, SceneError
     let Model { mesh, materials } = model;
     let camera = framing(&mesh.positions);
     camera.check().map_err(|fault| SceneError::Camera { path: shown(path), fault })?;
-    Ok(Scene {
-        name: name.to_owned(),
-        camera,
-        mesh,
-        materials,
-        light: Light::Headlight,
-        distribution: Distribution::default(),
-        filter: None,
-        ambient: [0.0; 3],
-        background: [0.0; 3],
-        files: Vec::new(),
-        notes,
-    })
+    let name = name.to_owned();
+    Ok(Scene { name, notes, ..Scene::plain(mesh, materials, camera, Light::Headlight) })
 }
 
 /// A camera that sees the whole bounding sphere of the points' box, from the front, a little to

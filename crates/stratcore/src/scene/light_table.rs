@@ -1,7 +1,7 @@
 //! `[light]`, or several as `[[light]]`.
 
-use super::file::{colour, vector};
 use super::library::Model;
+use super::tables::{colour, vector};
 use super::text::shown;
 use super::{AreaLight, Distribution, Light, LightShape, Rgb, SceneError};
 use glam::DVec3;

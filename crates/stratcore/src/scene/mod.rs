@@ -8,6 +8,7 @@ mod filter;
 pub mod library;
 mod light_table;
 mod obj;
+mod tables;
 #[cfg(test)]
 mod tests;
 mod text;
@@ -56,6 +57,25 @@ pub struct Scene {
     pub notes: Vec<String>,
 }
 
+impl Scene {
+    /// A scene without a name, a feature or ambient light, before nothing.
+    pub fn plain(mesh: Mesh, materials: Vec<Material>, camera: Camera, light: Light) -> Self {
+        Self {
+            name: String::new(),
+            camera,
+            mesh,
+            materials,
+            light,
+            distribution: Distribution::default(),
+            filter: None,
+            ambient: [0.0; 3],
+            background: [0.0; 3],
+            files: Vec::new(),
+            notes: Vec::new(),
+        }
+    }
+}
+
 /// Indexed triangles, each with a material.
 #[derive(Debug, Clone, Default)]
 pub struct Mesh {
@@ -71,6 +91,18 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// Triangles that share no vertices, all of material 0.
+    pub fn loose(triangles: impl IntoIterator<Item = [DVec3; 3]>) -> Self {
+        let positions: Vec<DVec3> = triangles.into_iter().flatten().collect();
+        let count = positions.len() as u32 / 3;
+        Self {
+            positions,
+            triangles: (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+            materials: vec![0; count as usize],
+            corner_normals: None,
+        }
+    }
+
     /// Length twice the area, along the normal of the counter-clockwise side.
     pub fn area_normal(&self, id: usize) -> DVec3 {
         let [a, b, c] = self.corners(id);

@@ -1,7 +1,7 @@
 //! Triangles that meet, overlap, vanish, or crowd into one pixel.
 
 use super::studio::{
-    all_pixels, ball_and_floor, both, differing_bits, farthest, larger, means, scene, triangles,
+    all_pixels, ball_and_floor, both, differing_bits, farthest, larger, means, scene,
 };
 use super::{Bench, Family, PLACEMENT, Row, watertight};
 use crate::error::StudyError;
@@ -167,7 +167,7 @@ fn overlaps(bench: &mut Bench<'_>) -> Result<(), StudyError> {
             dvec3(x, y, 0.3 * x - 0.17 * y)
         })
     });
-    let mut scene = scene(triangles(corners), before_the_square(16), Light::Off);
+    let mut scene = scene(Mesh::loose(corners), before_the_square(16), Light::Off);
     // Each glows in its own way, by a number that f32 holds.
     scene.materials = (0..TRIANGLES)
         .map(|i| Material { ke: [1.0 + i as f64 / 64.0; 3], ..Material::default() })
@@ -240,8 +240,8 @@ fn through_the_eye(bench: &mut Bench<'_>) -> Result<(), StudyError> {
     ];
     // A floor from behind the eye to beyond the picture.
     let floor = [dvec3(-90.0, -0.5, 70.0), dvec3(90.0, -0.5, 70.0), dvec3(0.0, -0.5, -400.0)];
-    let with = scene(triangles(around.into_iter().chain([floor])), camera, Light::Headlight);
-    let without = scene(triangles([floor]), camera, Light::Headlight);
+    let with = scene(Mesh::loose(around.into_iter().chain([floor])), camera, Light::Headlight);
+    let without = scene(Mesh::loose([floor]), camera, Light::Headlight);
     let pixels: Vec<_> = all_pixels(&camera).collect();
     let mut changed = [0.0; 2];
     let mut floors = Vec::new();
@@ -286,7 +286,7 @@ fn crowd(bench: &mut Bench<'_>) -> Result<(), StudyError> {
         };
         [around(2), around(3), dvec3(x, y - 0.125, 0.1 * z)]
     });
-    let scene = scene(triangles(corners), camera, Light::Headlight);
+    let scene = scene(Mesh::loose(corners), camera, Light::Headlight);
     let n = bench.either(1 << 8, 1 << 12);
     let sobol = SamplerChoice::named("sobol")?;
     // By cells for the sequence, by tiles of strata for jittered points.

@@ -11,6 +11,7 @@
 mod accumulation;
 mod dimensions;
 mod geometry;
+mod numbers;
 mod positions;
 mod row;
 mod scene;

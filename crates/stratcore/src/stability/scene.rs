@@ -3,7 +3,6 @@
 
 use super::studio::{
     all_pixels, ball_and_floor, both, differing_bits, farthest, larger, means, placed, scene,
-    triangles,
 };
 use super::{Bench, Family, Row};
 use crate::error::StudyError;
@@ -211,7 +210,7 @@ fn wall(fov_y: f64, resolution: [u32; 2]) -> Scene {
         fov_y,
         resolution,
     };
-    scene(triangles([[a, b, c], [a, c, d]]), camera, Light::Headlight)
+    scene(Mesh::loose([[a, b, c], [a, c, d]]), camera, Light::Headlight)
 }
 
 /// Of one pixel of a wall: largest relative error of a sample, and relative error of the

@@ -4,7 +4,7 @@ use super::Bench;
 use crate::integrand::Integrand;
 use crate::sampler::PointSet;
 use crate::scene::library::icosphere;
-use crate::scene::{Camera, Channel, Distribution, Light, Material, Mesh, Scene};
+use crate::scene::{Camera, Channel, Light, Material, Mesh, Scene};
 use crate::study::SamplerChoice;
 use crate::trace::{TracedScene, Tracer};
 use crate::trial::trial_means;
@@ -13,31 +13,8 @@ use glam::{DVec3, dvec3};
 /// A scene of one grey material and no distribution.
 pub(super) fn scene(mesh: Mesh, camera: Camera, light: Light) -> Scene {
     let grey = Material { name: "grey".to_owned(), kd: [0.5, 0.4, 0.6], ..Material::default() };
-    Scene {
-        name: "stability".to_owned(),
-        camera,
-        mesh,
-        materials: vec![grey],
-        light,
-        distribution: Distribution::default(),
-        filter: None,
-        ambient: [0.0; 3],
-        background: [0.1, 0.2, 0.3],
-        files: Vec::new(),
-        notes: Vec::new(),
-    }
-}
-
-/// Triangles that share no vertices, of one material.
-pub(super) fn triangles(corners: impl IntoIterator<Item = [DVec3; 3]>) -> Mesh {
-    let positions: Vec<DVec3> = corners.into_iter().flatten().collect();
-    let count = positions.len() as u32 / 3;
-    Mesh {
-        positions,
-        triangles: (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
-        materials: vec![0; count as usize],
-        corner_normals: None,
-    }
+    let plain = Scene::plain(mesh, vec![grey], camera, light);
+    Scene { name: "stability".to_owned(), background: [0.1, 0.2, 0.3], ..plain }
 }
 
 /// The same triangles, shaded flat.

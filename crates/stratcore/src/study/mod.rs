@@ -24,8 +24,9 @@ pub use until::{EarlyFit, Stop, StopReason, Tightness, study_until};
 
 use result::Curves;
 
+use crate::dimensions::Bound;
 use crate::error::StudyError;
-use crate::integrand::{Integrand, Regularity};
+use crate::integrand::Integrand;
 use crate::noise::Noise;
 use crate::rng::StreamKey;
 use crate::sampler::{CountPolicy, PointSet, Scramble};
@@ -288,15 +289,6 @@ fn summarise(
         row.noise = noise;
     }
     let known = predict(name, choice.scramble, &Subject::of(integrand)).filter(|_| !exact);
-    let of_class = || class.filter(|_| class_is_sure)?.predicted_exponent(dim);
-    let (predicted, predicted_from) = match known {
-        Some(law) => (Some(law.exponent), Some(Basis::Integrand)),
-        None if integrand.regularity() == Regularity::Unknown => {
-            let predicted = of_class();
-            (predicted, predicted.map(|_| Basis::Class))
-        }
-        None => (None, None),
-    };
     SamplerResult {
         name,
         scramble: choice.scramble,
@@ -309,8 +301,9 @@ fn summarise(
         exact,
         class,
         class_is_sure,
-        predicted,
-        predicted_from,
+        predicted: known.map(|law| law.exponent),
+        predicted_bound: known.map(|_| Bound::Equals),
+        predicted_from: known.map(|_| Basis::Integrand),
         predicted_source: known.map(|law| law.source),
         rows,
         method: Method::Trials,

@@ -1,5 +1,6 @@
 //! What was measured.
 
+use crate::dimensions::Bound;
 use crate::exact::Unresolved;
 use crate::fit::{
     Fit, LocalSlope, TwoTerms, WeightedRow, both_fits, local_slopes, paper_fit, two_terms,
@@ -74,12 +75,16 @@ pub struct SamplerResult {
     pub class: Option<Class>,
     /// Whether the exponent's 95 % interval lies within its class.
     pub class_is_sure: bool,
-    /// The exponent that theory predicts: from what is known of the integrand, otherwise for
-    /// the class that was measured, if it is sure.
+    /// The exponent that theory predicts for large N, never from what was measured: from what is
+    /// known of the integrand; for a pixel, once [`predict_pixel`] was asked, from what it needs.
+    ///
+    /// [`predict_pixel`]: crate::dimensions::predict_pixel
     pub predicted: Option<f64>,
-    /// Which of the two; none without a prediction.
+    /// How it binds; none without a prediction.
+    pub predicted_bound: Option<Bound>,
+    /// Which of the two it is from.
     pub predicted_from: Option<Basis>,
-    /// Where the law for the integrand was published.
+    /// Where the law was published.
     pub predicted_source: Option<&'static str>,
     /// Where the rows come from.
     pub method: Method,

@@ -76,8 +76,8 @@ pub struct ErrorPlan {
     pub seed: u64,
 }
 
-/// Most pixels, over all pictures, that are held at once: two gibibytes.
-const MAX_PIXELS: u64 = 1 << 28;
+/// Most pixels of a sampler's pictures: with their spectra and transforms 200 MB.
+const MAX_PIXELS: u64 = 1 << 23;
 
 /// For each sampler, how the error of its pictures of a scene is spread over frequencies:
 /// luminance under the sampler, less that of a reference, M pictures of each. All samplers share
@@ -85,7 +85,7 @@ const MAX_PIXELS: u64 = 1 << 28;
 ///
 /// # Errors
 /// [`StudyError::EmptyPlan`] for no samplers, trials or samples; what a sampler refuses;
-/// [`StudyError::TooManyCoordinates`] for pictures that do not fit in memory;
+/// [`StudyError::PictureTooLarge`] beyond 2^23 pixels in the M pictures of a sampler;
 /// [`StudyError::Cancelled`].
 pub fn error_spectra(
     scene: &TracedScene,
@@ -104,10 +104,9 @@ pub fn error_spectra(
     }
     let [width, height] = scene.scene().camera.resolution;
     let pixels = u64::from(width) * u64::from(height);
-    let pictures = u64::from(plan.n_trials) * choices.len() as u64;
-    if pixels.saturating_mul(pictures) > MAX_PIXELS {
-        let (n, dim) = (pixels, usize::try_from(pictures).unwrap_or(usize::MAX));
-        return Err(StudyError::TooManyCoordinates { n, dim, limit: MAX_PIXELS });
+    let copies = u64::from(plan.n_trials);
+    if pixels.saturating_mul(copies) > MAX_PIXELS {
+        return Err(StudyError::PictureTooLarge { width, height, copies, limit: MAX_PIXELS });
     }
     let dim = scene.pixel([0, 0], Channel::Luminance).dim();
     for choice in choices {
@@ -118,47 +117,45 @@ pub fn error_spectra(
     let reference = SamplerChoice::JITTERED;
     let reference_spp =
         sampler::count_used(reference.sampler, plan.reference_spp, dim, CountPolicy::Snap)?;
-    let means = |integrand: &dyn Integrand, choice: SamplerChoice, pixel, n_samples, n_trials| {
+    // Overwrites `means`, as many as there are trials.
+    let estimate = |choice: SamplerChoice, index: usize, n_samples, means: &mut [f64]| {
+        let pixel = [(index % width as usize) as u32, (index / width as usize) as u32];
+        let integrand = scene.pixel(pixel, Channel::Luminance);
         let (seed, sampler) = (plan.seed, choice.sampler.stream_id());
         let key = StreamKey { seed, pixel, sampler, n_samples, trial: 0 };
         let set = PointSet { key, dim, scramble: choice.scramble, rectangular: true };
         set.key.check()?;
-        let mut means = vec![0.0; n_trials as usize];
-        trial_means(integrand, choice.sampler, &set, 0, &mut means, control.cancel);
-        (control.progress)(n_samples * u64::from(n_trials));
-        Ok::<_, StudyError>(means)
+        trial_means(&integrand, choice.sampler, &set, 0, means, control.cancel);
+        (control.progress)(n_samples * means.len() as u64);
+        Ok::<_, StudyError>(())
     };
-    // Errors of one pixel, [choice][trial] in a row.
-    let errors_of = |index: u64| {
-        let pixel = [(index % u64::from(width)) as u32, (index / u64::from(width)) as u32];
-        let integrand = scene.pixel(pixel, Channel::Luminance);
-        let truth = means(&integrand, reference, pixel, reference_spp, 1)?[0];
-        let mut errors = Vec::with_capacity(pictures as usize);
-        for choice in choices {
-            errors.extend(means(&integrand, *choice, pixel, plan.spp, plan.n_trials)?);
+    // Estimates of each pixel side by side.
+    let pictures = |choice: SamplerChoice, spp, n_trials: usize| {
+        let mut means = vec![0.0; pixels as usize * n_trials];
+        let of_pixels = means.par_chunks_mut(n_trials).enumerate();
+        of_pixels.try_for_each(|(index, means)| estimate(choice, index, spp, means))?;
+        if control.cancel.load(Ordering::Relaxed) {
+            return Err(StudyError::Cancelled);
         }
-        errors.iter_mut().for_each(|error| *error -= truth);
-        Ok(errors)
+        Ok(means)
     };
-    let errors: Vec<Vec<f64>> =
-        (0..pixels).into_par_iter().map(errors_of).collect::<Result<_, StudyError>>()?;
-    if control.cancel.load(Ordering::Relaxed) {
-        return Err(StudyError::Cancelled);
-    }
+    let truth = pictures(reference, reference_spp, 1)?;
     let n_trials = plan.n_trials as usize;
-    let of_choice = |choice: usize| {
-        let periodogram = |picture: usize| {
-            let picture: Vec<_> = errors.iter().map(|pixel| pixel[picture]).collect();
+    let of_choice = |choice: &SamplerChoice| {
+        let means = pictures(*choice, plan.spp, n_trials)?;
+        let periodogram = |trial: usize| {
+            let estimates = means[trial..].iter().step_by(n_trials);
+            let picture: Vec<_> = estimates.zip(&truth).map(|(mean, truth)| mean - truth).collect();
             let mse = picture.iter().map(|error| error * error).sum::<f64>() / pixels as f64;
             (of_picture(&picture, width as usize), mse)
         };
-        let pictures = choice * n_trials..(choice + 1) * n_trials;
-        let (spectra, mses): (Vec<_>, Vec<_>) = pictures.into_par_iter().map(periodogram).unzip();
+        let (spectra, mses): (Vec<_>, Vec<_>) =
+            (0..n_trials).into_par_iter().map(periodogram).unzip();
         let mse = mses.iter().sum::<f64>() / n_trials as f64;
         let spectrum = Spectrum::mean(spectra).ok_or(StudyError::EmptyPlan("trials"))?;
         Ok(ErrorSpectrum { spectrum, mse })
     };
-    (0..choices.len()).map(of_choice).collect()
+    choices.iter().map(of_choice).collect()
 }
 
 #[cfg(test)]

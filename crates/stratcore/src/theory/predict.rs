@@ -11,8 +11,9 @@ use serde::Serialize;
 pub enum Basis {
     /// What is known of the integrand; for `random`, that it has a variance.
     Integrand,
-    /// The class that was measured: theory for that class, no independent prediction.
-    Class,
+    /// What a pixel needs of its axes, found from points of their own
+    /// ([`dimensions`](crate::dimensions)).
+    Axes,
 }
 
 /// A law `variance_of_mean ~ C N^-p`.

@@ -24,7 +24,7 @@ pub enum Tracer {
 /// The way that samples of a pixel take.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Path {
+pub enum Route {
     /// The pixel's beam in f32; samples that rounding could misplace are settled in f64.
     Beam,
     /// The pixel's beam, and for each facet the triangles in the shaft to each area light; f64.
@@ -33,7 +33,7 @@ pub enum Path {
     Rays,
 }
 
-impl std::fmt::Display for Path {
+impl std::fmt::Display for Route {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(match self {
             Self::Beam => "beam in f32",
@@ -100,12 +100,12 @@ impl<'a> PixelIntegrand<'a> {
     }
 
     /// The way that its samples take.
-    pub fn path(&self) -> Path {
+    pub fn route(&self) -> Route {
         match self {
-            Self::Rays(_) => Path::Rays,
-            Self::Beam(_) => Path::Beam,
-            Self::AreaBeam(_) => Path::BeamAndShafts,
-            Self::Filtered(filtered) => filtered.inner().path(),
+            Self::Rays(_) => Route::Rays,
+            Self::Beam(_) => Route::Beam,
+            Self::AreaBeam(_) => Route::BeamAndShafts,
+            Self::Filtered(filtered) => filtered.inner().route(),
         }
     }
 

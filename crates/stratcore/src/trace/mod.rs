@@ -15,7 +15,7 @@ mod triangle;
 
 pub use accel::Accel;
 pub use filtered::Filtered;
-pub use integrand::{Path, PixelIntegrand, Tracer};
+pub use integrand::{PixelIntegrand, Route, Tracer};
 pub use rays::Radiance;
 pub use tracer::{Hit, TracedScene};
 pub use triangle::{Crossing, Ray};

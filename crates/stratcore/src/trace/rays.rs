@@ -6,7 +6,6 @@ use super::{Ray, TracedScene};
 use crate::integrand::Integrand;
 use crate::scene::{Channel, Lens, Motion, PixelFrame, Rgb};
 use glam::DVec3;
-use std::marker::PhantomData;
 
 /// An integrand that has a colour at each point.
 pub trait Radiance: Integrand {
@@ -92,16 +91,15 @@ impl<'a> Shutter for Open<'a> {
     }
 }
 
-/// The integral of one pixel, compiled for the features that the scene has.
+/// The integral of one pixel, compiled for the features that the scene has. The parts of a plain
+/// one have no size and constant axes: there is nothing for its inner loop to branch on.
 struct PixelRays<'a, E, T, S> {
     scene: &'a TracedScene,
     frame: PixelFrame,
     channel: Channel,
     eye: E,
     shutter: T,
-    light_axes: usize,
-    bounce_axes: usize,
-    scatter: PhantomData<S>,
+    scatter: S,
 }
 
 /// The integral of a pixel by rays.
@@ -157,9 +155,7 @@ impl<'a, E: Eye, T: Shutter, S: Scatter> PixelRays<'a, E, T, S> {
         shutter: T,
     ) -> Self {
         let distribution = &scene.scene().distribution;
-        let [light_axes, bounce_axes] = [S::light_axes(distribution), S::bounce_axes(distribution)];
-        let scatter = PhantomData;
-        Self { scene, frame, channel, eye, shutter, light_axes, bounce_axes, scatter }
+        Self { scene, frame, channel, eye, shutter, scatter: S::of(distribution) }
     }
 }
 
@@ -168,8 +164,8 @@ impl<E: Eye, T: Shutter, S: Scatter> Radiance for PixelRays<'_, E, T, S> {
     fn radiance(&self, point: &[f64]) -> Rgb {
         let (square, rest) = point.split_at(2);
         let (lens, rest) = rest.split_at(E::AXES);
-        let (lights, rest) = rest.split_at(self.light_axes);
-        let (bounces, time) = rest.split_at(self.bounce_axes);
+        let (lights, rest) = rest.split_at(self.scatter.light_axes());
+        let (bounces, time) = rest.split_at(self.scatter.bounce_axes());
         let moment = self.shutter.at(time);
         let eye = self.shutter.eye(self.scene.scene().camera.eye, time);
         let ray = self.eye.ray(eye, self.frame.direction(square[0], square[1]), lens);
@@ -179,7 +175,7 @@ impl<E: Eye, T: Shutter, S: Scatter> Radiance for PixelRays<'_, E, T, S> {
 
 impl<E: Eye, T: Shutter, S: Scatter> Integrand for PixelRays<'_, E, T, S> {
     fn dim(&self) -> usize {
-        2 + E::AXES + self.light_axes + self.bounce_axes + T::AXES
+        2 + E::AXES + self.scatter.light_axes() + self.scatter.bounce_axes() + T::AXES
     }
 
     fn axes(&self) -> Vec<String> {
@@ -188,5 +184,28 @@ impl<E: Eye, T: Shutter, S: Scatter> Integrand for PixelRays<'_, E, T, S> {
 
     fn eval(&self, point: &[f64]) -> f64 {
         self.channel.of(self.radiance(point))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a plain pixel is traced by has no byte that could tell of a feature, so that its
+    /// inner loop has nothing to branch on; each feature brings its own.
+    #[test]
+    fn what_is_absent_has_no_size() {
+        const PLAIN: usize = size_of::<(&TracedScene, PixelFrame, Channel)>();
+        let plain = size_of::<PixelRays<'_, Pinhole, Instant, Direct>>();
+        assert_eq!(plain, PLAIN);
+        assert_eq!(size_of::<Still>(), 0);
+        for with in [
+            size_of::<PixelRays<'_, ThinLens, Instant, Direct>>(),
+            size_of::<PixelRays<'_, Pinhole, Open<'_>, Direct>>(),
+            size_of::<PixelRays<'_, Pinhole, Instant, WithAreaLights>>(),
+            size_of::<PixelRays<'_, Pinhole, Instant, WithPaths>>(),
+        ] {
+            assert!(with > plain, "{with}");
+        }
     }
 }

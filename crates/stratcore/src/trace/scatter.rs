@@ -10,10 +10,12 @@ use glam::DVec3;
 
 /// How radiance comes about behind the camera's rays.
 pub(super) trait Scatter: Send + Sync + Copy {
+    /// For a scene with these features.
+    fn of(distribution: &Distribution) -> Self;
     /// Coordinates that choose points on lights.
-    fn light_axes(distribution: &Distribution) -> usize;
+    fn light_axes(self) -> usize;
     /// Coordinates that choose directions of diffuse reflection.
-    fn bounce_axes(distribution: &Distribution) -> usize;
+    fn bounce_axes(self) -> usize;
     /// Radiance along a ray from the camera.
     fn radiance<M: Moment>(
         scene: &TracedScene,
@@ -30,17 +32,27 @@ pub(super) struct Direct;
 
 /// The same with area lights.
 #[derive(Clone, Copy)]
-pub(super) struct WithAreaLights;
+pub(super) struct WithAreaLights {
+    light_axes: usize,
+}
 
 /// The same with mirrors, glass and diffuse interreflection.
 #[derive(Clone, Copy)]
-pub(super) struct WithPaths;
+pub(super) struct WithPaths {
+    light_axes: usize,
+    bounce_axes: usize,
+}
 
 impl Scatter for Direct {
-    fn light_axes(_: &Distribution) -> usize {
+    fn of(_: &Distribution) -> Self {
+        Self
+    }
+    #[inline(always)]
+    fn light_axes(self) -> usize {
         0
     }
-    fn bounce_axes(_: &Distribution) -> usize {
+    #[inline(always)]
+    fn bounce_axes(self) -> usize {
         0
     }
     #[inline(always)]
@@ -55,10 +67,13 @@ impl Scatter for Direct {
 }
 
 impl Scatter for WithAreaLights {
-    fn light_axes(distribution: &Distribution) -> usize {
-        2 * distribution.lights.len()
+    fn of(distribution: &Distribution) -> Self {
+        Self { light_axes: 2 * distribution.lights.len() }
     }
-    fn bounce_axes(_: &Distribution) -> usize {
+    fn light_axes(self) -> usize {
+        self.light_axes
+    }
+    fn bounce_axes(self) -> usize {
         0
     }
     #[inline]
@@ -79,11 +94,15 @@ impl Scatter for WithAreaLights {
 }
 
 impl Scatter for WithPaths {
-    fn light_axes(distribution: &Distribution) -> usize {
-        2 * distribution.lights.len()
+    fn of(distribution: &Distribution) -> Self {
+        let Distribution { lights, bounces, .. } = distribution;
+        Self { light_axes: 2 * lights.len(), bounce_axes: 2 * *bounces as usize }
     }
-    fn bounce_axes(distribution: &Distribution) -> usize {
-        2 * distribution.bounces as usize
+    fn light_axes(self) -> usize {
+        self.light_axes
+    }
+    fn bounce_axes(self) -> usize {
+        self.bounce_axes
     }
     fn radiance<M: Moment>(
         scene: &TracedScene,
@@ -93,7 +112,8 @@ impl Scatter for WithPaths {
         bounces: &[f64],
     ) -> Rgb {
         let specular_depth = scene.scene().distribution.specular_depth;
-        Path { scene, moment, lights, bounces, specular_depth, sees_lights: true }.follow(ray, None)
+        Branch { scene, moment, lights, bounces, specular_depth, sees_lights: true }
+            .follow(ray, None)
     }
 }
 
@@ -118,7 +138,7 @@ fn times(a: Rgb, b: Rgb) -> Rgb {
 /// All vertices choose their points on the lights by the same coordinates, and all branches
 /// their bounces: each term stays an unbiased estimate, and d grows by 2 a light and 2 a bounce.
 #[derive(Clone, Copy)]
-struct Path<'a, M> {
+struct Branch<'a, M> {
     scene: &'a TracedScene,
     moment: M,
     lights: &'a [f64],
@@ -131,7 +151,7 @@ struct Path<'a, M> {
     sees_lights: bool,
 }
 
-impl<M: Moment> Path<'_, M> {
+impl<M: Moment> Branch<'_, M> {
     fn follow(self, ray: &Ray, from: Option<u32>) -> Rgb {
         let Some(nearest) = self.scene.nearest(ray, from, self.moment) else {
             return self.scene.scene().background;

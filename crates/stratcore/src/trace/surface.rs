@@ -18,8 +18,10 @@ pub(super) struct Surface {
     pub normal: DVec3,
     /// Whether the ray came to the side on which the corners are counter-clockwise.
     pub is_front: bool,
+    /// Cosine at [`Surface::normal`] towards the ray's origin, without its sign.
+    facing: f64,
     ray: Ray,
-    t: f64,
+    inverse_t: f64,
 }
 
 impl Surface {
@@ -30,19 +32,22 @@ impl Surface {
         let [a, b, c] = moment.corners(mesh, id);
         let to_eye = -ray.direction.normalize();
         let plane_normal = (b - a).cross(c - a).normalize();
-        let is_front = plane_normal.dot(to_eye) >= 0.0;
+        let across = plane_normal.dot(to_eye);
+        let is_front = across >= 0.0;
         let plane_normal = if is_front { plane_normal } else { -plane_normal };
-        let normal = match &mesh.corner_normals {
+        let (normal, facing) = match &mesh.corner_normals {
             Some(normals) => {
                 let [wa, wb, wc] = nearest.crossing.edges;
                 let [na, nb, nc] = normals[id];
                 let normal = (na * wa + nb * wb + nc * wc).normalize_or(plane_normal);
-                if normal.dot(plane_normal) < 0.0 { -normal } else { normal }
+                let normal = if normal.dot(plane_normal) < 0.0 { -normal } else { normal };
+                (normal, normal.dot(to_eye).abs())
             }
-            None => plane_normal,
+            // The same without asking for the side, which a headlight does not need.
+            None => (plane_normal, across.abs()),
         };
-        let t = 1.0 / nearest.crossing.inverse_t;
-        Self { id: nearest.triangle, to_eye, plane_normal, normal, is_front, ray: *ray, t }
+        let (id, inverse_t) = (nearest.triangle, nearest.crossing.inverse_t);
+        Self { id, to_eye, plane_normal, normal, is_front, facing, ray: *ray, inverse_t }
     }
 
     pub fn material<'a>(&self, scene: &'a TracedScene) -> &'a Material {
@@ -51,7 +56,7 @@ impl Surface {
     }
 
     pub fn point(&self) -> DVec3 {
-        self.ray.origin + self.ray.direction * self.t
+        self.ray.origin + self.ray.direction * (1.0 / self.inverse_t)
     }
 
     /// Cosine at the surface towards a light along `to_light`, which is met at `t_max` of its
@@ -76,7 +81,7 @@ impl Surface {
     pub fn direct<M: Moment>(&self, scene: &TracedScene, moment: M) -> Rgb {
         match scene.scene().light {
             Light::Off => [0.0; 3],
-            Light::Headlight => [self.normal.dot(self.to_eye).abs(); 3],
+            Light::Headlight => [self.facing; 3],
             Light::Point { position, intensity } => {
                 let point = self.point();
                 let to_light = position - point;

@@ -1,12 +1,14 @@
 //! What the app does about a command.
 
-use super::App;
-use crate::command::Command;
+use super::{App, Over};
+use crate::command::{Command, Look};
 use crate::export::Export;
 use crate::line;
 use crate::model::{Notice, Study};
+use crate::panels::dialogs::Dialog;
+use crate::panels::palette::Palette;
 use crate::state::{Overlay, Page, State};
-use eframe::egui::Context;
+use eframe::egui::{Context, ViewportCommand};
 
 impl App {
     /// Does what was asked for.
@@ -14,9 +16,16 @@ impl App {
         let Self { state, model, work, .. } = self;
         model.notice = None;
         match command {
-            Command::Open(spec) => work.load(&spec, model),
+            Command::Open(spec) => {
+                self.pending = None;
+                work.load(&spec, model);
+            }
             Command::Reload => work.reload(model),
             Command::Study(pixel) => {
+                // A click on a pixel whose study was stopped runs it again.
+                for study in model.studies.iter_mut().filter(|study| study.stopped) {
+                    study.planned.clear();
+                }
                 self.turn_to_pixel();
                 self.study_pixels(vec![pixel]);
             }
@@ -54,6 +63,11 @@ impl App {
                     work.render(state, model);
                 }
             }
+            Command::Normalise => {
+                state.picture.exposure =
+                    model.exposure_of_brightest().unwrap_or(state.picture.exposure);
+            }
+            Command::Look(look) => self.picture.look(look),
             Command::SetInside(words) => {
                 state.inside = words;
                 work.look_inside(state, model);
@@ -113,18 +127,28 @@ impl App {
                 model.notice = Some(Notice { text: format!("copied: {text}"), is_fault: false });
                 ctx.copy_text(text);
             }
-            Command::ShowHelp(help) => self.help = help,
+            Command::ShowStrata(strata) => state.strata = strata,
+            Command::Ask(question) => {
+                self.over = Some(Over::Dialog(Dialog::new(question, state)));
+            }
+            Command::ShowHelp => self.over = Some(Over::Help),
+            Command::ShowPalette => self.over = Some(Over::Palette(Palette::default())),
+            Command::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
         }
     }
 
     /// A scene has arrived: everything that belongs to the one before goes.
     pub(super) fn show_scene(&mut self) {
+        let pending = self.pending.take();
         let Self { state, model, work, .. } = self;
         let Some(loaded) = &model.loaded else { return };
         let size = loaded.traced.scene().camera.resolution;
         if state.scene != loaded.spec {
             state.pixels.clear();
-            self.picture.fit();
+            self.picture.look(Look::Fit);
+        }
+        if let Some(pending) = pending.filter(|pending| pending.scene == loaded.spec) {
+            *state = State { recent: std::mem::take(&mut state.recent), ..pending };
         }
         state.scene.clone_from(&loaded.spec);
         state.remember(&state.scene.clone());
@@ -219,20 +243,17 @@ impl App {
 
     fn open_line(&mut self, text: &str) {
         match line::open(text, &self.state) {
+            // Until the scene is there, what is on screen stays.
+            Ok(state) if state.scene != self.state.scene => {
+                self.work.load(&state.scene, &mut self.model);
+                self.pending = Some(state);
+            }
             Ok(state) => {
-                let scene = state.scene.clone();
-                let is_new = scene != self.state.scene;
-                // Until the scene is there, the one on screen keeps its name.
-                self.state = State { scene: self.state.scene.clone(), ..state };
-                if is_new {
-                    self.state.scene = scene.clone();
-                    self.work.load(&scene, &mut self.model);
-                } else {
-                    self.model.seen = None;
-                    self.work.choose(&self.state, &mut self.model);
-                    self.study_pixels(self.state.pixels.clone());
-                    self.work.render(&self.state, &mut self.model);
-                }
+                self.state = state;
+                self.model.seen = None;
+                self.work.choose(&self.state, &mut self.model);
+                self.study_pixels(self.state.pixels.clone());
+                self.work.render(&self.state, &mut self.model);
             }
             Err(text) => self.model.notice = Some(Notice { text, is_fault: true }),
         }

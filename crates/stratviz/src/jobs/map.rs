@@ -4,6 +4,7 @@ use super::{Job, PACE, RightOfWay, Wake};
 use std::sync::Arc;
 use std::time::Instant;
 use stratcore::fit::samples_needed;
+use stratcore::integrand::Integrand as _;
 use stratcore::scene::Channel;
 use stratcore::study::{Control, StudyPlan, study_pixels};
 use stratcore::theory::Class;
@@ -56,11 +57,12 @@ pub struct MapUpdate {
 pub type MapJob = Job<Result<MapUpdate, String>>;
 
 /// Studies every pixel of the picture under `jittered`, first every 16th of a row and column,
-/// then those between. Steps aside for whoever has the right of way.
+/// then those between. `plan_in` makes the plan for pixels of so many dimensions. Steps aside
+/// for whoever has the right of way.
 pub fn map(
     traced: &Arc<TracedScene>,
     channel: Channel,
-    plan: StudyPlan,
+    plan_in: impl FnOnce(usize) -> Result<StudyPlan, String> + Send + 'static,
     way: RightOfWay,
     wake: Wake,
 ) -> MapJob {
@@ -68,6 +70,10 @@ pub fn map(
     const BATCH: usize = 8;
     let traced = traced.clone();
     Job::spawn("map", wake, move |reporter| {
+        let plan = match plan_in(traced.pixel([0, 0], channel).dim()) {
+            Ok(plan) => plan,
+            Err(fault) => return reporter.send(Err(fault)),
+        };
         let resolution = traced.scene().camera.resolution;
         let total = resolution.map(u64::from).iter().product();
         let mut done = 0;
@@ -157,7 +163,11 @@ mod tests {
         let (sender, rung) = mpsc::channel();
         let wake: Wake = Arc::new(move || sender.send(()).unwrap_or_default());
         let channel = Channel::Luminance;
-        let mut job = map(&traced, channel, plan.clone(), RightOfWay::default(), wake);
+        let plan_in = {
+            let plan = plan.clone();
+            move |dim| (dim == 2).then_some(plan).ok_or_else(|| format!("d = {dim}"))
+        };
+        let mut job = map(&traced, channel, plan_in, RightOfWay::default(), wake);
         let mut updates = Vec::new();
         while job.standing() == Standing::Running {
             rung.recv().unwrap();

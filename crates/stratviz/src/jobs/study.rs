@@ -4,7 +4,8 @@ use super::{Job, RightOfWay, Wake};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use stratcore::integrand::{self, Integrand};
+use stratcore::dimensions::{lacks_predictions, needs_of_pixel, predict_from};
+use stratcore::integrand::{self, Integrand, Regularity};
 use stratcore::scene::Channel;
 use stratcore::study::{Control, StudyPlan, StudyResult, Tightness, study_live, study_until};
 use stratcore::trace::TracedScene;
@@ -57,6 +58,19 @@ pub fn study_job(
         let mut run = |integrand: &dyn Integrand, pixel| {
             let plan = plan_in(integrand.dim())?;
             let control = Control { cancel: reporter.cancel(), ..Control::unwatched() };
+            let is_pixel = integrand.regularity() == Regularity::Unknown;
+            let mut needs = None;
+            let mut each = |mut result: StudyResult| {
+                // The first curve does not wait for what theory says of it.
+                if is_pixel && needs.is_none() && lacks_predictions(&result) {
+                    each(result.clone());
+                    needs = needs_of_pixel(integrand, pixel, result.seed, control).ok();
+                }
+                if let Some(needs) = &needs {
+                    predict_from(needs, &mut result);
+                }
+                each(result);
+            };
             let ended = if until > 0.0 {
                 let until = Tightness::Exponent(until);
                 let mut so_far = |result: &StudyResult| each(result.clone());

@@ -1,5 +1,6 @@
 //! A line of `stratcli`, pasted: what it shows.
 
+use super::shell::lines;
 use super::{in_words, parse};
 use crate::state::{Page, PatternWords, State, StudyWords, TheoryWords, TradeWords};
 use clap::ValueEnum as _;
@@ -203,61 +204,6 @@ fn scrambled(names: &[String], scramble: Option<&str>) -> Result<Vec<String>, St
     Ok(named.collect())
 }
 
-/// Splits lines as a shell does, and drops what stands before each command: a prompt,
-/// `stratcli`, a path to it, or `cargo run --release --`.
-fn lines(text: &str) -> Result<Vec<Vec<String>>, String> {
-    let mut lines = vec![Vec::new()];
-    let mut word: Option<String> = None;
-    let mut quote = None;
-    let mut chars = text.trim().chars();
-    let add = |lines: &mut Vec<Vec<String>>, word: Option<String>| {
-        if let Some(line) = lines.last_mut() {
-            line.extend(word);
-        }
-    };
-    while let Some(c) = chars.next() {
-        match quote {
-            Some(open) if c == open => quote = None,
-            Some(_) => word.get_or_insert_default().push(c),
-            None if c == '\'' || c == '"' => {
-                quote = Some(c);
-                word.get_or_insert_default();
-            }
-            // A backslash before a line's end joins lines; before anything else it quotes.
-            None if c == '\\' => {
-                if let Some(next) = chars.next().filter(|next| *next != '\n') {
-                    word.get_or_insert_default().push(next);
-                }
-            }
-            None if c.is_whitespace() => {
-                add(&mut lines, word.take());
-                if c == '\n' {
-                    lines.push(Vec::new());
-                }
-            }
-            None => word.get_or_insert_default().push(c),
-        }
-    }
-    if quote.is_some() {
-        return Err("the line ends within a quotation; close it".to_owned());
-    }
-    add(&mut lines, word);
-    let is_program = |word: &String| {
-        word == "--" || word.rsplit('/').next().is_some_and(|name| name == "stratcli")
-    };
-    let after_program = |mut line: Vec<String>| match line.iter().position(is_program) {
-        Some(at) => Ok(line.split_off(at + 1)),
-        None => Err("paste a line that begins with stratcli, such as: stratcli pixel classic \
-                     --at 77,156"
-            .to_owned()),
-    };
-    lines.retain(|line| !line.is_empty());
-    if lines.is_empty() {
-        lines.push(Vec::new());
-    }
-    lines.into_iter().map(after_program).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::{discrepancy, integrand, line, pixel, points, spectrum, trade};
@@ -328,6 +274,7 @@ mod tests {
             n: 64,
             dim: 3,
             axes: [2, 1],
+            all_pairs: true,
             trial: 7,
             sets: 9,
             measure: "mixture".to_owned(),

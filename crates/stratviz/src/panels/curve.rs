@@ -1,16 +1,18 @@
 //! The curves of the studied pixels, their exponents, and what they mean.
 
 use super::{colours, plot};
+use crate::actions::{FORGET_KEPT, Now};
 use crate::command::Command;
-use crate::model::{Model, Study};
-use crate::state::State;
+use crate::model::Study;
 use crate::words;
 use eframe::egui::{self, Color32, Grid, RichText, Ui, vec2};
 use stratcli::table::{short, with_error};
+use stratcore::dimensions::Bound;
 use stratcore::study::SamplerResult;
 
 /// Draws the studies of the pixels.
-pub fn ui(ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
+pub fn ui(ui: &mut Ui, now: &Now<'_>) -> Option<Command> {
+    let Now { state, model, .. } = *now;
     let mut command = None;
     for study in &model.studies {
         let [x, y] = study.pixel;
@@ -27,10 +29,8 @@ pub fn ui(ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
     let studies: Vec<_> = model.studies.iter().collect();
     egui::Panel::bottom("exponents").resizable(true).default_size(126.0).show(ui, |ui| {
         egui::ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-            if studies.iter().any(|study| !study.kept.is_empty())
-                && ui.button("Forget kept curves").clicked()
-            {
-                command = Some(Command::ForgetKept);
+            if studies.iter().any(|study| !study.kept.is_empty()) {
+                command = FORGET_KEPT.button(ui, now);
             }
             exponents(ui, &studies, state.study.error);
         });
@@ -115,7 +115,8 @@ fn row(ui: &mut Ui, sampler: &SamplerResult, study: Option<usize>, kept: Option<
         (None, true) => "exact".to_owned(),
         (None, false) => "no fit".to_owned(),
     });
-    ui.label(sampler.predicted.map_or_else(dash, |p| format!("p = {}", short(p, 4))));
+    let sign = if sampler.predicted_bound == Some(Bound::AtLeast) { ">=" } else { "=" };
+    ui.label(sampler.predicted.map_or_else(dash, |p| format!("p {sign} {}", short(p, 4))));
     ui.label(match (sampler.class, sampler.class_is_sure) {
         (Some(class), true) => class.to_string(),
         (Some(class), false) => format!("{class}?"),

@@ -1,7 +1,7 @@
 //! Questions with a line of text for an answer.
 
-use crate::command::Command;
-use crate::line::stem;
+use crate::command::{Command, Question};
+use crate::line::{OPENED, stem};
 use crate::state::{Page, State};
 use eframe::egui::{self, Context, Key, TextEdit};
 use std::path::PathBuf;
@@ -13,15 +13,6 @@ pub struct Dialog {
     answer: String,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Question {
-    Open,
-    SavePicture,
-    SaveCurve,
-    SaveDiscrepancies,
-    OpenLine,
-}
-
 /// How a dialog ended.
 pub enum Answer {
     /// With a wish.
@@ -31,72 +22,45 @@ pub enum Answer {
 }
 
 impl Dialog {
-    /// Which scene?
-    pub fn open(state: &State) -> Self {
-        Self { question: Question::Open, answer: state.scene.clone() }
-    }
-
-    /// The picture, to which file?
-    pub fn save_picture(state: &State) -> Self {
-        Self { question: Question::SavePicture, answer: format!("{}.png", stem(state)) }
-    }
-
-    /// The curves, to which file?
-    pub fn save_curve(state: &State) -> Self {
-        let answer = match (state.page, state.pixels.first()) {
-            (Page::Trade, _) => format!("{}-trade.csv", stem(state)),
-            (Page::Pixel, Some([x, y])) => format!("{}-{x}-{y}.csv", stem(state)),
-            (Page::Pixel, None) => format!("{}.csv", stem(state)),
-            (Page::Theory, _) => format!("{}.csv", state.theory.name),
-            (Page::Patterns, _) => format!("spectrum-{}.csv", state.patterns.n),
+    /// Asks, and suggests an answer.
+    pub fn new(question: Question, state: &State) -> Self {
+        let answer = match question {
+            Question::Open => state.scene.clone(),
+            Question::SavePicture => format!("{}.png", stem(state)),
+            Question::SaveCurve => match (state.page, state.pixels.first()) {
+                (Page::Trade, _) => format!("{}-trade.csv", stem(state)),
+                (Page::Pixel, Some([x, y])) => format!("{}-{x}-{y}.csv", stem(state)),
+                (Page::Pixel, None) => format!("{}.csv", stem(state)),
+                (Page::Theory, _) => format!("{}.csv", state.theory.name),
+                (Page::Patterns, _) => format!("spectrum-{}.csv", state.patterns.n),
+            },
+            Question::SaveDiscrepancies => "discrepancy.csv".to_owned(),
+            Question::OpenLine => String::new(),
         };
-        Self { question: Question::SaveCurve, answer }
+        Self { question, answer }
     }
 
-    /// The discrepancies of the patterns page, to which file?
-    pub fn save_discrepancies() -> Self {
-        Self { question: Question::SaveDiscrepancies, answer: "discrepancy.csv".to_owned() }
-    }
-
-    /// Which line of `stratcli`?
-    pub fn open_line() -> Self {
-        Self { question: Question::OpenLine, answer: String::new() }
-    }
-
-    /// Its title.
-    pub fn title(&self) -> &'static str {
+    fn title(&self) -> &'static str {
         match self.question {
             Question::Open => "Open a scene",
             Question::SavePicture => "Save the picture",
-            Question::SaveCurve => "Save the curve",
+            Question::SaveCurve => "Save the curves",
             Question::SaveDiscrepancies => "Save the discrepancies",
             Question::OpenLine => "Open a command",
         }
     }
 
-    /// The key that asks it, if there is one.
-    pub fn key(&self) -> Option<&'static str> {
-        match self.question {
-            Question::Open => Some("Ctrl+O"),
-            Question::SavePicture => Some("Ctrl+S"),
-            Question::SaveCurve => Some("Ctrl+E"),
-            Question::SaveDiscrepancies => None,
-            Question::OpenLine => Some("Ctrl+V"),
-        }
-    }
-
-    fn hint(&self) -> &'static str {
+    fn hint(&self) -> String {
         match self.question {
             Question::Open => {
                 "A path to a .toml or .obj, or a built-in name. Files can be dropped on the window."
+                    .to_owned()
             }
-            Question::SavePicture => ".png: 8-bit sRGB. .exr: 32-bit linear RGB.",
+            Question::SavePicture => ".png: 8-bit sRGB. .exr: 32-bit linear RGB.".to_owned(),
             Question::SaveCurve | Question::SaveDiscrepancies => {
-                ".csv: every number. .svg or .png: the chart."
+                ".csv: every number. .svg or .png: the chart.".to_owned()
             }
-            Question::OpenLine => {
-                "Lines of stratcli pixel, integrand, trade, points, spectrum, discrepancy, render or inspect."
-            }
+            Question::OpenLine => format!("Lines of stratcli {OPENED}."),
         }
     }
 

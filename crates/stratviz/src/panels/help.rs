@@ -1,40 +1,33 @@
-//! The help overlay: every key.
+//! The help overlay: every key, as the table of actions has them.
 
-use eframe::egui::{self, Context, Grid, Key};
+use crate::actions::Menu;
+use eframe::egui::{self, Context, Grid, Key, RichText, ScrollArea, Ui};
 
-/// Keys and what they do.
-const KEYS: &[(&str, &str)] = &[
-    ("click, Shift+click", "study a pixel, compare it with others"),
+/// What the pointer does, which no key does.
+const POINTER: &[(&str, &str)] = &[
+    ("click, Shift+click", "study a pixel, compare it"),
     ("right click", "no longer study a pixel"),
-    ("arrows, Shift+arrows", "move the studied pixel by 1, by 10"),
-    ("wheel, drag, + and -", "zoom to the pointer, pan, zoom"),
+    ("wheel, drag", "zoom to the pointer, pan"),
     ("Ctrl+drag", "zoom to a rectangle"),
-    ("F, Ctrl+0", "fit the picture, one point per pixel"),
-    ("E, Shift+E, A", "exposure up, down, for the brightest"),
-    ("O, M", "next overlay, start or cancel the map"),
-    ("Space", "stop what is under way, run it again"),
-    ("N, Shift+N", "inside and patterns: more samples, fewer"),
-    ("S, T, Shift+T", "inside and patterns: next sampler, next trial, trial before"),
-    ("arrows on the patterns page", "N and sampler, in place of the pixel"),
-    ("C, Ctrl+V", "copy as command, open copied commands"),
-    ("Ctrl+C", "copy x,y of the pixel"),
-    ("Ctrl+O, F5", "open a scene, load it again"),
-    ("Ctrl+S, Ctrl+E", "save the picture, the curve"),
-    ("1, 2, 3, 4", "pixel, theory, trade, patterns page"),
-    ("D, H, Esc", "dark or light, this help, close"),
+    ("drop a file", "open a scene"),
 ];
+
+/// Menus in the columns of the overlay.
+const COLUMNS: [&[Menu]; 3] =
+    [&[Menu::File, Menu::View], &[Menu::Study], &[Menu::Picture, Menu::Points]];
 
 /// Draws the overlay; false when it is to go.
 pub fn ui(ctx: &Context) -> bool {
     let mut open = true;
     let window = egui::Window::new("Keys").collapsible(false).resizable(false);
     window.open(&mut open).anchor(egui::Align2::CENTER_CENTER, [0.0, 0.0]).show(ctx, |ui| {
-        Grid::new("keys").num_columns(2).spacing([24.0, 6.0]).striped(true).show(ui, |ui| {
-            for (keys, meaning) in KEYS {
-                ui.monospace(*keys);
-                ui.label(*meaning);
-                ui.end_row();
-            }
+        ScrollArea::both().max_height(ctx.content_rect().height() - 150.0).show(ui, |ui| {
+            ui.horizontal_top(|ui| {
+                for menus in COLUMNS {
+                    ui.vertical(|ui| column(ui, menus));
+                    ui.add_space(16.0);
+                }
+            });
         });
         ui.separator();
         ui.label(
@@ -43,4 +36,32 @@ pub fn ui(ctx: &Context) -> bool {
         );
     });
     open && !ctx.input(|input| input.key_pressed(Key::Escape))
+}
+
+fn column(ui: &mut Ui, menus: &[Menu]) {
+    ui.spacing_mut().item_spacing.y = 2.0;
+    for (menu, title) in Menu::ALL.iter().filter(|(menu, _)| menus.contains(menu)) {
+        let with_keys = menu.actions().filter(|action| !action.triggers.is_empty());
+        let rows = with_keys.map(|action| (action.keys(None), action.name, action.about));
+        table(ui, title, rows);
+    }
+    if menus.contains(&Menu::Study) {
+        let rows = POINTER.iter().map(|(keys, meaning)| ((*keys).to_owned(), *meaning, ""));
+        table(ui, "Pointer", rows);
+    }
+}
+
+fn table<'a>(ui: &mut Ui, title: &str, rows: impl Iterator<Item = (String, &'a str, &'a str)>) {
+    ui.add_space(6.0);
+    ui.strong(title);
+    Grid::new(title).num_columns(2).spacing([12.0, 2.0]).striped(true).show(ui, |ui| {
+        for (keys, meaning, about) in rows {
+            ui.label(RichText::new(keys).monospace().size(11.5));
+            let meaning = ui.label(RichText::new(meaning).size(12.5));
+            if !about.is_empty() {
+                meaning.on_hover_text(about);
+            }
+            ui.end_row();
+        }
+    });
 }

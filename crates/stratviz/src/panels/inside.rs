@@ -1,9 +1,9 @@
 //! The inside of the first pixel: what it sees, the strata, and the points of one trial.
 
+use crate::actions::{FEWER, MORE, NEXT_SAMPLER, NEXT_TRIAL, Now, STRATA};
 use crate::command::Command;
 use crate::jobs::Seen;
-use crate::model::Model;
-use crate::state::{InsideWords, State};
+use crate::state::InsideWords;
 use eframe::egui::{
     self, Color32, ColorImage, DragValue, Painter, Rect, Sense, Slider, Stroke, TextureHandle,
     TextureOptions, Ui, WidgetInfo, pos2, vec2,
@@ -25,8 +25,10 @@ fn counts() -> impl Iterator<Item = u64> {
 
 impl InsidePanel {
     /// Draws the inside and its controls.
-    pub fn ui(&mut self, ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
+    pub fn ui(&mut self, ui: &mut Ui, now: &Now<'_>) -> Option<Command> {
+        let Now { state, model, .. } = *now;
         let mut words = state.inside.clone();
+        let mut command = None;
         let side = (ui.available_height() - 6.0).min(ui.available_width() * 0.5);
         ui.add_space(4.0);
         ui.horizontal_top(|ui| {
@@ -34,10 +36,10 @@ impl InsidePanel {
             response.widget_info(|| WidgetInfo::labeled(egui::Role::Image, true, "Inside"));
             painter.rect_filled(response.rect, 0.0, ui.visuals().extreme_bg_color);
             if let Some(seen) = &model.seen {
-                self.paint(ui, &painter, response.rect.shrink(1.0), seen);
+                self.paint(ui, &painter, response.rect.shrink(1.0), seen, state.strata);
             }
             ui.vertical(|ui| {
-                controls(ui, state, &mut words);
+                command = controls(ui, now, &mut words);
                 if let Some(fault) = &model.inside_fault {
                     ui.colored_label(ui.visuals().error_fg_color, fault);
                 }
@@ -48,10 +50,10 @@ impl InsidePanel {
                 }
             });
         });
-        (words != state.inside).then_some(Command::SetInside(words))
+        if words != state.inside { Some(Command::SetInside(words)) } else { command }
     }
 
-    fn paint(&mut self, ui: &Ui, painter: &Painter, area: Rect, seen: &Seen) {
+    fn paint(&mut self, ui: &Ui, painter: &Painter, area: Rect, seen: &Seen, strata: bool) {
         let is_known =
             self.texture.as_ref().is_some_and(|(known, _)| Arc::ptr_eq(known, &seen.inside));
         if !is_known {
@@ -62,7 +64,7 @@ impl InsidePanel {
         let Some((_, texture)) = &self.texture else { return };
         let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         painter.image(texture.id(), area, uv, Color32::WHITE);
-        if let Some(strata) = seen.strata {
+        if let Some(strata) = seen.strata.filter(|_| strata) {
             paint_strata(painter, area, strata, &seen.shares);
         }
         let radius = (area.width() / (seen.n_used as f32).sqrt() * 0.12).clamp(1.2, 4.0);
@@ -96,31 +98,33 @@ fn paint_strata(painter: &Painter, area: Rect, [across, down]: [u64; 2], shares:
     }
 }
 
-fn controls(ui: &mut Ui, state: &State, words: &mut InsideWords) {
+fn controls(ui: &mut Ui, now: &Now<'_>, words: &mut InsideWords) -> Option<Command> {
+    let page = now.state.page;
+    let mut command = None;
     ui.heading("Inside the pixel");
     ui.horizontal_wrapped(|ui| {
         let shown = egui::ComboBox::from_id_salt("inside sampler").selected_text(&words.sampler);
-        shown
-            .show_ui(ui, |ui| {
-                for name in &state.study.samplers {
-                    ui.selectable_value(&mut words.sampler, name.clone(), name);
-                }
-            })
-            .response
-            .on_hover_text("whose points are shown (S)");
+        let shown = shown.show_ui(ui, |ui| {
+            for name in &now.state.study.samplers {
+                ui.selectable_value(&mut words.sampler, name.clone(), name);
+            }
+        });
+        shown.response.on_hover_text(NEXT_SAMPLER.hint(page));
         let label = ui.label("trial");
         ui.add(DragValue::new(&mut words.trial)).labelled_by(label.id);
-        if ui.button("Next trial").on_hover_text("T").clicked() {
-            words.trial = words.trial.wrapping_add(1);
+        for action in [NEXT_TRIAL, STRATA] {
+            command = command.take().or(action.button(ui, now));
         }
     });
     let steps: Vec<_> = counts().collect();
     let mut at = steps.partition_point(|n| *n < words.n).min(steps.len() - 1);
     let label = ui.label(format!("N = {}", words.n));
     let slider = Slider::new(&mut at, 0..=steps.len() - 1).show_value(false);
-    if ui.add(slider).labelled_by(label.id).on_hover_text("N and Shift+N").changed() {
+    let slider = ui.add(slider).labelled_by(label.id);
+    if slider.on_hover_text([MORE, FEWER].map(|action| action.hint(page)).join("\n")).changed() {
         words.n = steps[at];
     }
+    command
 }
 
 /// The next larger or smaller count of the slider.

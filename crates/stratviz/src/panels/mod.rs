@@ -10,6 +10,7 @@ pub mod help;
 pub mod inside;
 pub mod legend;
 pub mod numbers;
+pub mod palette;
 pub mod patterns;
 pub mod picture;
 pub mod plot;

@@ -5,13 +5,16 @@ use super::legend;
 use super::numbers;
 use super::texture::TiledTexture;
 use super::view::View;
-use crate::command::Command;
+use crate::actions::{
+    BRIGHTER, CANCEL_MAP, DARKER, FIT, MAP, NEXT_OVERLAY, NORMALISE, Now, ONE_TO_ONE,
+};
+use crate::command::{Command, Look};
 use crate::jobs::Studied;
 use crate::model::{Model, Progress};
 use crate::state::{Overlay, PictureWords, State};
 use eframe::egui::{
-    self, Align2, Color32, FontId, Key, Painter, PointerButton, Pos2, Rect, Response, Sense,
-    Stroke, StrokeKind, Ui, Vec2, WidgetInfo, pos2,
+    self, Align2, Color32, FontId, Painter, PointerButton, Pos2, Rect, Response, Sense, Stroke,
+    StrokeKind, Ui, Vec2, WidgetInfo, pos2,
 };
 
 /// From this many points per pixel on, the pixels are told apart by a grid.
@@ -32,11 +35,10 @@ pub struct PicturePanel {
 
 impl PicturePanel {
     /// Draws the picture with its tools above and what is under the pointer below.
-    pub fn ui(&mut self, ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
+    pub fn ui(&mut self, ui: &mut Ui, now: &Now<'_>) -> Option<Command> {
+        let Now { state, model, .. } = *now;
         let mut command = None;
-        egui::Panel::top("picture tools").show(ui, |ui| {
-            command = self.tools(ui, state, model);
-        });
+        egui::Panel::top("picture tools").show(ui, |ui| command = tools(ui, now));
         egui::Panel::bottom("readout").exact_size(24.0).show(ui, |ui| {
             ui.horizontal_centered(|ui| self.readout(ui, model));
         });
@@ -52,53 +54,6 @@ impl PicturePanel {
     /// The pixel under the pointer.
     pub fn hovered(&self) -> Option<[u32; 2]> {
         self.hovered
-    }
-
-    fn tools(&mut self, ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
-        let mut words = state.picture.clone();
-        let mut command = None;
-        ui.horizontal_wrapped(|ui| {
-            if ui.button("Fit").on_hover_text("the whole picture (F)").clicked() {
-                self.view.fit();
-            }
-            if ui.button("1:1").on_hover_text("one point per pixel (Ctrl+0)").clicked() {
-                self.view.set_scale(1.0);
-            }
-            ui.separator();
-            let stops = egui::DragValue::new(&mut words.exposure)
-                .range(-20.0..=20.0)
-                .speed(0.05)
-                .fixed_decimals(1)
-                .prefix("exposure ");
-            ui.add(stops).on_hover_text("stops; E and Shift+E");
-            if ui.button("Normalise").on_hover_text("expose for the brightest (A)").clicked() {
-                words.exposure = model.exposure_of_brightest().unwrap_or(words.exposure);
-            }
-            let spp = egui::DragValue::new(&mut words.spp).range(1..=4096).suffix(" spp");
-            ui.add(spp).on_hover_text("samples per pixel of the finished picture");
-            ui.separator();
-            egui::ComboBox::from_id_salt("overlay").selected_text(words.overlay.label()).show_ui(
-                ui,
-                |ui| {
-                    for overlay in Overlay::ALL {
-                        ui.selectable_value(&mut words.overlay, overlay, overlay.label());
-                    }
-                },
-            );
-            if words.overlay != Overlay::Off {
-                let mut percent = 100.0 * words.opacity;
-                let covers = egui::DragValue::new(&mut percent).range(0.0..=100.0).suffix(" %");
-                let covers = covers.fixed_decimals(0);
-                if ui.add(covers).on_hover_text("how much the overlay covers").changed() {
-                    words.opacity = percent / 100.0;
-                }
-            }
-            command = map_button(ui, state, model);
-        });
-        if words != state.picture {
-            command = Some(Command::SetPicture(words));
-        }
-        command
     }
 
     /// What is under the pointer.
@@ -194,7 +149,7 @@ impl PicturePanel {
         None
     }
 
-    /// Wheel and pinch zoom to the pointer, dragging pans, keys do both.
+    /// Wheel and pinch zoom to the pointer, dragging pans.
     fn navigate(&mut self, ui: &Ui, response: &Response, is_rectangle: bool) {
         if response.dragged() && !is_rectangle {
             self.view.pan(response.drag_delta());
@@ -203,29 +158,16 @@ impl PicturePanel {
             let [wheel, pinch] = ui.input(|i| [i.smooth_scroll_delta.y, i.zoom_delta()]);
             self.view.zoom(pinch * (wheel * 0.005).exp(), pointer);
         }
-        if ui.ctx().text_edit_focused() {
-            return;
-        }
-        ui.input(|input| {
-            let pressed = |key| input.key_pressed(key) && !input.modifiers.command;
-            if pressed(Key::Plus) || pressed(Key::Equals) {
-                self.view.zoom(1.5, response.rect.center());
-            }
-            if pressed(Key::Minus) {
-                self.view.zoom(1.0 / 1.5, response.rect.center());
-            }
-            if pressed(Key::F) {
-                self.view.fit();
-            }
-            if input.modifiers.command && input.key_pressed(Key::Num0) {
-                self.view.set_scale(1.0);
-            }
-        });
     }
 
-    /// Shows the whole picture.
-    pub fn fit(&mut self) {
-        self.view.fit();
+    /// Looks at the picture in another way.
+    pub fn look(&mut self, look: Look) {
+        match look {
+            Look::Fit => self.view.fit(),
+            Look::OneToOne => self.view.set_scale(1.0),
+            Look::Closer => self.view.zoom_about_middle(1.5),
+            Look::Farther => self.view.zoom_about_middle(1.0 / 1.5),
+        }
     }
 
     /// Moves the view so that a pixel can be seen.
@@ -250,31 +192,68 @@ impl PicturePanel {
     }
 }
 
+/// The view, the exposure, what lies over the picture.
+fn tools(ui: &mut Ui, now: &Now<'_>) -> Option<Command> {
+    let before = &now.state.picture;
+    let mut words = before.clone();
+    let mut command = None;
+    ui.horizontal_wrapped(|ui| {
+        for action in [FIT, ONE_TO_ONE] {
+            command = command.take().or(action.button(ui, now));
+        }
+        ui.separator();
+        let stops = egui::DragValue::new(&mut words.exposure)
+            .range(-20.0..=20.0)
+            .speed(0.05)
+            .fixed_decimals(1)
+            .prefix("exposure ");
+        ui.add(stops).on_hover_text(format!(
+            "stops ({}, {})",
+            BRIGHTER.keys(None),
+            DARKER.keys(None)
+        ));
+        command = command.take().or(NORMALISE.button(ui, now));
+        let spp = egui::DragValue::new(&mut words.spp).range(1..=4096).suffix(" spp");
+        ui.add(spp).on_hover_text("samples per pixel of the finished picture");
+        ui.separator();
+        let shown = egui::ComboBox::from_id_salt("overlay").selected_text(words.overlay.label());
+        let shown = shown.show_ui(ui, |ui| {
+            for overlay in Overlay::ALL {
+                ui.selectable_value(&mut words.overlay, overlay, overlay.label());
+            }
+        });
+        shown.response.on_hover_text(NEXT_OVERLAY.hint(now.state.page));
+        if words.overlay != Overlay::Off {
+            let mut percent = 100.0 * words.opacity;
+            let covers = egui::DragValue::new(&mut percent).range(0.0..=100.0).suffix(" %");
+            let covers = covers.fixed_decimals(0);
+            if ui.add(covers).on_hover_text("how much the overlay covers").changed() {
+                words.opacity = percent / 100.0;
+            }
+        }
+        command = command.take().or(map_button(ui, now));
+    });
+    if words != *before { Some(Command::SetPicture(words)) } else { command }
+}
+
 /// Starts and stops the map, and tells how far it is.
-fn map_button(ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
-    let clicked = |ui: &mut Ui, words: &str, hint: &str, command| {
-        ui.button(words).on_hover_text(hint).clicked().then_some(command)
-    };
-    model.loaded.as_ref()?;
-    match &model.map_progress {
+fn map_button(ui: &mut Ui, now: &Now<'_>) -> Option<Command> {
+    match &now.model.map_progress {
         Progress::Running(share) => {
-            let command =
-                clicked(ui, "Cancel map", "keep what is finished (M)", Command::CancelMap);
+            let command = CANCEL_MAP.button(ui, now);
             ui.add(egui::ProgressBar::new(*share).desired_width(90.0).show_percentage());
             command
         }
-        Progress::Failed(fault) => {
-            let command = clicked(ui, "Map", "try again (M)", Command::StartMap);
-            ui.colored_label(ui.visuals().error_fg_color, fault);
-            command
-        }
         progress => {
-            let hint = "study every pixel under jittered, coarse to fine (M)";
-            let command = clicked(ui, "Map", hint, Command::StartMap);
-            if let Progress::Stopped(share) = progress
-                && state.picture.overlay != Overlay::Off
-            {
-                ui.weak(format!("stopped at {:.0} %", share * 100.0));
+            let command = MAP.button(ui, now);
+            match progress {
+                Progress::Failed(fault) => {
+                    ui.colored_label(ui.visuals().error_fg_color, fault);
+                }
+                Progress::Stopped(share) if now.state.picture.overlay != Overlay::Off => {
+                    ui.weak(format!("stopped at {:.0} %", share * 100.0));
+                }
+                _ => {}
             }
             command
         }

@@ -1,8 +1,8 @@
 //! How pixels and integrands are studied: samplers, counts, trials, seed.
 
+use crate::actions::{COPY_LINE, Now, RESTART, STOP};
 use crate::command::Command;
-use crate::model::Model;
-use crate::state::{State, StudyWords};
+use crate::state::StudyWords;
 use eframe::egui::{self, DragValue, TextEdit, Ui};
 use stratcli::cli::StudiedChannel;
 use stratcore::sampler::{CountPolicy, SHELF, Sampler};
@@ -42,8 +42,9 @@ impl CountsField {
 
 impl StudyPanel {
     /// Draws the controls.
-    pub fn ui(&mut self, ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
-        let mut words = state.study.clone();
+    pub fn ui(&mut self, ui: &mut Ui, now: &Now<'_>) -> Option<Command> {
+        let before = &now.state.study;
+        let mut words = before.clone();
         let mut command = None;
         ui.horizontal_wrapped(|ui| {
             samplers_menu(ui, &mut words);
@@ -65,9 +66,13 @@ impl StudyPanel {
             channel_box(ui, &mut words);
             policy_box(ui, &mut words);
             ui.separator();
-            command = actions(ui, model);
+            let is_busy = now.model.is_busy_on(now.state.page);
+            let buttons = [if is_busy { STOP } else { RESTART }, COPY_LINE];
+            for action in buttons {
+                command = command.take().or(action.button(ui, now));
+            }
         });
-        if words != state.study {
+        if words != *before {
             command = Some(Command::SetStudy(words));
         }
         command
@@ -77,23 +82,6 @@ impl StudyPanel {
 fn number(ui: &mut Ui, words: &str, value: DragValue<'_>, hint: impl FnOnce(&mut Ui)) {
     let label = ui.label(words);
     ui.add(value).labelled_by(label.id).on_hover_ui(hint);
-}
-
-fn actions(ui: &mut Ui, model: &Model) -> Option<Command> {
-    let mut command = None;
-    let mut button = |ui: &mut Ui, words: &str, hint: &str, wish: Command| {
-        if ui.button(words).on_hover_text(hint).clicked() {
-            command = Some(wish);
-        }
-    };
-    if model.is_busy() {
-        button(ui, "Stop", "keep the curves as they are (Space)", Command::Stop);
-    } else {
-        button(ui, "Run again", "from the first trial (Space)", Command::Restart);
-    }
-    let hint = "the stratcli line that gives the numbers on screen (C)";
-    button(ui, "Copy as command", hint, Command::CopyLine);
-    command
 }
 
 /// Samplers to compare, with the scramble of those that have a choice.
@@ -107,8 +95,12 @@ fn samplers_menu(ui: &mut Ui, words: &mut StudyWords) {
                 ui.horizontal(|ui| sampler_line(ui, *sampler, words));
             }
             // A file of points has no place on the shelf, but can be pasted.
+            let is_more = words.samplers.len() > 1;
             for other in words.samplers.clone() {
-                if other.starts_with("file:") && ui.button(format!("Remove {other}")).clicked() {
+                if is_more
+                    && other.starts_with("file:")
+                    && ui.button(format!("Remove {other}")).clicked()
+                {
                     words.samplers.retain(|name| *name != other);
                 }
             }
@@ -117,25 +109,19 @@ fn samplers_menu(ui: &mut Ui, words: &mut StudyWords) {
 }
 
 fn sampler_line(ui: &mut Ui, sampler: &dyn Sampler, words: &mut StudyWords) {
-    let base = |word: &str| word.split('+').next() == Some(sampler.name());
-    let place = words.samplers.iter().position(|word| base(word));
+    let place = words.place_of(sampler.name());
     let mut chosen = place.is_some();
     let facts = sampler.facts();
     let hint = format!("{}\nN = {}\n{}", facts.summary, facts.counts, facts.source);
-    if ui.checkbox(&mut chosen, sampler.name()).on_hover_text(hint).changed() {
-        match place {
-            // One always remains.
-            Some(at) if words.samplers.len() > 1 => drop(words.samplers.remove(at)),
-            Some(_) => {}
-            None => words.samplers.push(sampler.name().to_owned()),
-        }
+    if ui.checkbox(&mut chosen, sampler.name()).on_hover_text(hint).changed()
+        && let Some(switched) = words.with_sampler_switched(sampler.name())
+    {
+        *words = switched;
     }
     let usable = sampler.scrambles().iter().filter(|scramble| sampler.is_randomised(**scramble));
     let scrambles: Vec<_> = usable.map(ToString::to_string).collect();
-    let Some(word) = place.and_then(|at| words.samplers.get_mut(at)).filter(|word| base(word))
-    else {
-        return;
-    };
+    let place = words.place_of(sampler.name());
+    let Some(word) = place.and_then(|at| words.samplers.get_mut(at)) else { return };
     if scrambles.len() > 1 {
         let default = sampler.scrambles()[0].to_string();
         let mut scramble =

@@ -8,12 +8,17 @@ use eframe::egui::{
 /// Side of a tile: every GPU takes textures of this size.
 const TILE: u32 = 1024;
 
+/// Pixels that are converted in one frame: some milliseconds of work. A larger picture takes
+/// several frames.
+const MOST_PIXELS: u32 = 1 << 18;
+
 /// A layer in tiles, its pixels magnified without smoothing.
 #[derive(Default)]
 pub struct TiledTexture<K> {
     tiles: Vec<Tile>,
     size: [u32; 2],
-    shown: u64,
+    /// The version in which each row was last uploaded.
+    shown: Vec<u64>,
     /// What else the colours depend on.
     key: Option<K>,
 }
@@ -25,7 +30,8 @@ struct Tile {
 }
 
 impl<K: PartialEq> TiledTexture<K> {
-    /// Uploads the rows that have changed; all of them when `key` or the size has.
+    /// Uploads the rows that have changed, all of them when `key` or the size has: as many as one
+    /// frame has time for.
     pub fn update<T: Copy>(
         &mut self,
         ctx: &Context,
@@ -33,16 +39,24 @@ impl<K: PartialEq> TiledTexture<K> {
         key: K,
         colour: impl Fn(&T) -> Color32,
     ) {
-        if self.key.as_ref() != Some(&key) || self.size != layer.size {
+        let [width, height] = layer.size;
+        if self.size != layer.size {
             self.rebuild(ctx, layer.size);
-            (self.key, self.shown) = (Some(key), 0);
+            self.key = None;
         }
-        if self.shown == layer.version {
-            return;
+        if self.key.as_ref() != Some(&key) {
+            (self.key, self.shown) = (Some(key), vec![0; height as usize]);
         }
-        let changed = |(_, version): &(u32, &u64)| **version > self.shown;
-        let rows = || (0..).zip(&layer.row_versions).filter(changed).map(|(row, _)| row);
-        let (Some(first), Some(last)) = (rows().min(), rows().max()) else { return };
+        let is_news = |row: &u32| layer.row_versions[*row as usize] > self.shown[*row as usize];
+        let Some(first) = (0..height).find(is_news) else { return };
+        let end = height.min(first + (MOST_PIXELS / width.max(1)).max(1));
+        let Some(last) = (first..end).rev().find(is_news) else { return };
+        if (end..height).any(|row| is_news(&row)) {
+            ctx.request_repaint();
+        }
+        for row in first..=last {
+            self.shown[row as usize] = layer.row_versions[row as usize];
+        }
         for tile in &mut self.tiles {
             let [x, y] = tile.at;
             let top = first.max(y);
@@ -59,7 +73,6 @@ impl<K: PartialEq> TiledTexture<K> {
             let image = ColorImage::new(size, pixels);
             tile.texture.set_partial([0, (top - y) as usize], image, TextureOptions::NEAREST);
         }
-        self.shown = layer.version;
     }
 
     fn rebuild(&mut self, ctx: &Context, size: [u32; 2]) {

@@ -1,18 +1,19 @@
 //! Integrands with known answers: does theory hold?
 
 use super::{curve, plot};
+use crate::actions::{FEWER_DIMENSIONS, MORE_DIMENSIONS, Now};
 use crate::command::Command;
-use crate::model::Model;
-use crate::state::{State, TheoryWords};
+use crate::state::{Page, TheoryWords};
 use eframe::egui::{self, DragValue, RichText, Slider, Ui};
 use stratcli::table::{short, with_error};
-use stratcore::integrand::{CATALOGUE, IntegrandInfo, Regularity};
+use stratcore::integrand::{CATALOGUE, IntegrandInfo, ParamInfo, Regularity};
 use stratcore::study::SamplerResult;
 
 /// Draws the theory page.
-pub fn ui(ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
+pub fn ui(ui: &mut Ui, now: &Now<'_>) -> Option<Command> {
+    let Now { state, model, .. } = *now;
     let mut words = state.theory.clone();
-    controls(ui, &mut words);
+    controls(ui, &mut words, model.regularity);
     let study = &model.theory;
     curve::heading(ui, &format!("{} in d = {}", state.theory.name, state.theory.dim), study);
     if let Some(result) = &study.result {
@@ -39,7 +40,10 @@ pub fn ui(ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
     (words != state.theory).then_some(Command::SetTheory(words))
 }
 
-fn controls(ui: &mut Ui, words: &mut TheoryWords) {
+/// The parameter that makes an edge rough: its dimension k is d - 1 and this.
+const ROUGHNESS: &str = "roughness";
+
+fn controls(ui: &mut Ui, words: &mut TheoryWords, regularity: Option<Regularity>) {
     let info = |name: &str| CATALOGUE.iter().find(|info| info.name == name);
     ui.horizontal_wrapped(|ui| {
         let before = words.name.clone();
@@ -55,16 +59,49 @@ fn controls(ui: &mut Ui, words: &mut TheoryWords) {
             words.dim = info.default_dim();
         }
         let label = ui.label("d");
-        let range = info.min_dim..=info.max_dim.min(16);
-        ui.add(Slider::new(&mut words.dim, range)).labelled_by(label.id);
+        let [least, most] = TheoryWords::dimensions(info);
+        let dims = ui.add(Slider::new(&mut words.dim, least..=most)).labelled_by(label.id);
+        let hints = [MORE_DIMENSIONS, FEWER_DIMENSIONS].map(|action| action.hint(Page::Theory));
+        dims.on_hover_text(hints.join("\n"));
+        dimension_of_edge(ui, info, words, regularity);
         parameters(ui, info, words);
         ui.weak(info.summary);
     });
 }
 
+/// k: a control where the integrand leaves it open, else what is known of it.
+fn dimension_of_edge(
+    ui: &mut Ui,
+    info: &IntegrandInfo,
+    words: &mut TheoryWords,
+    regularity: Option<Regularity>,
+) {
+    let Some(param) = info.params.iter().find(|param| param.name == ROUGHNESS) else {
+        if let Some(Regularity::Discontinuous { discontinuity_dim }) = regularity {
+            ui.label(format!("k = {}", short(discontinuity_dim, 4)));
+        }
+        return;
+    };
+    let flat = words.dim as f64 - 1.0;
+    let before = flat + value_of(param, words);
+    let mut k = before;
+    let label = ui.label("k");
+    let slider = Slider::new(&mut k, flat + param.min..=flat + param.max).step_by(0.05);
+    ui.add(slider).labelled_by(label.id).on_hover_text("dimension of the edge");
+    if k != before {
+        // Written as people do, and so on the line that is copied.
+        let roughness = (1000.0 * (k - flat)).round() / 1000.0;
+        words.params.insert(param.name.to_owned(), roughness.clamp(param.min, param.max));
+    }
+}
+
+fn value_of(param: &ParamInfo, words: &TheoryWords) -> f64 {
+    words.params.get(param.name).copied().unwrap_or(param.default)
+}
+
 fn parameters(ui: &mut Ui, info: &IntegrandInfo, words: &mut TheoryWords) {
-    for param in info.params {
-        let before = words.params.get(param.name).copied().unwrap_or(param.default);
+    for param in info.params.iter().filter(|param| param.name != ROUGHNESS) {
+        let before = value_of(param, words);
         let mut value = before;
         let label = ui.label(param.name);
         let speed = (param.max - param.min).min(10.0) * 0.002;

@@ -1,40 +1,24 @@
 //! The menu, the pages, and what was done last.
 
-use super::dialogs::Dialog;
+use crate::actions::{Entry, HELP, Menu, Now, OPEN, built_in, overlays, recent};
 use crate::command::Command;
 use crate::model::Model;
-use crate::state::{Page, State};
+use crate::state::Page;
 use eframe::egui::{self, Align, Layout, Ui};
-use stratcore::scene::library::SCENES;
-
-/// What the menu asks for.
-pub enum Wish {
-    /// To be done at once.
-    Do(Command),
-    /// A question first.
-    Ask(Dialog),
-    /// To end.
-    Quit,
-}
 
 /// Draws the bar at the top.
-pub fn ui(ui: &mut Ui, state: &State, model: &Model) -> Option<Wish> {
-    let mut wish = None;
+pub fn ui(ui: &mut Ui, now: &Now<'_>) -> Option<Command> {
+    let Now { state, model, .. } = *now;
+    let mut command = None;
     egui::MenuBar::new().ui(ui, |ui| {
-        ui.menu_button("File", |ui| wish = file_menu(ui, state));
-        ui.menu_button("View", |ui| {
-            let words = if state.dark { "Light (D)" } else { "Dark (D)" };
-            if ui.button(words).clicked() {
-                wish = Some(Wish::Do(Command::SetDark(!state.dark)));
-            }
-        });
-        if ui.button("Help").on_hover_text("H").clicked() {
-            wish = Some(Wish::Do(Command::ShowHelp(true)));
+        for (menu, title) in Menu::ALL {
+            ui.menu_button(title, |ui| command = command.take().or(entries(ui, menu, now)));
         }
+        command = command.take().or(HELP.button(ui, now));
         ui.separator();
         for (page, words) in Page::ALL {
             if ui.selectable_label(state.page == page, words).clicked() {
-                wish = Some(Wish::Do(Command::ShowPage(page)));
+                command = Some(Command::ShowPage(page));
             }
         }
         ui.separator();
@@ -60,7 +44,7 @@ pub fn ui(ui: &mut Ui, state: &State, model: &Model) -> Option<Wish> {
             if notice.is_fault { ui.visuals().error_fg_color } else { ui.visuals().text_color() };
         ui.horizontal_wrapped(|ui| ui.colored_label(colour, &notice.text));
     }
-    wish
+    command
 }
 
 /// Which scene is open, and what its loader remarked.
@@ -79,45 +63,35 @@ fn scene_line(ui: &mut Ui, model: &Model) {
     }
 }
 
-fn file_menu(ui: &mut Ui, state: &State) -> Option<Wish> {
-    let mut wish = None;
-    if ui.button("Open… (Ctrl+O)").clicked() {
-        wish = Some(Wish::Ask(Dialog::open(state)));
-    }
-    ui.menu_button("Built-in", |ui| {
-        for scene in SCENES {
-            if ui.button(scene.name).on_hover_text(scene.summary).clicked() {
-                wish = Some(Wish::Do(Command::Open(scene.name.to_owned())));
+/// What a menu holds, with the choices that depend on the session.
+fn entries(ui: &mut Ui, menu: Menu, now: &Now<'_>) -> Option<Command> {
+    let mut command = None;
+    for action in menu.actions() {
+        command = command.or(action.menu_entry(ui, now));
+        if action.name == OPEN.name {
+            let scenes =
+                [("Built-in", built_in().collect()), ("Recent", recent(now.state).collect())];
+            for (title, scenes) in scenes {
+                command = command.or(submenu(ui, title, scenes));
             }
         }
-    });
-    ui.add_enabled_ui(!state.recent.is_empty(), |ui| {
-        ui.menu_button("Recent", |ui| {
-            for spec in &state.recent {
-                if ui.button(spec).clicked() {
-                    wish = Some(Wish::Do(Command::Open(spec.clone())));
+    }
+    if menu == Menu::Picture {
+        command = command.or(submenu(ui, "Overlay", overlays(now.state).collect()));
+    }
+    command
+}
+
+fn submenu(ui: &mut Ui, title: &str, entries: Vec<Entry>) -> Option<Command> {
+    let mut command = None;
+    ui.add_enabled_ui(!entries.is_empty(), |ui| {
+        ui.menu_button(title, |ui| {
+            for entry in entries {
+                if ui.button(&entry.name).on_hover_text(&entry.about).clicked() {
+                    command = Some(entry.command);
                 }
             }
         });
     });
-    if ui.button("Reload (F5)").clicked() {
-        wish = Some(Wish::Do(Command::Reload));
-    }
-    ui.separator();
-    let mut dialogs = vec![Dialog::save_picture(state), Dialog::save_curve(state)];
-    if state.page == Page::Patterns {
-        dialogs.push(Dialog::save_discrepancies());
-    }
-    dialogs.push(Dialog::open_line());
-    for dialog in dialogs {
-        let key = dialog.key().map_or_else(String::new, |key| format!(" ({key})"));
-        if ui.button(format!("{}…{key}", dialog.title())).clicked() {
-            wish = Some(Wish::Ask(dialog));
-        }
-    }
-    ui.separator();
-    if ui.button("Quit").clicked() {
-        wish = Some(Wish::Quit);
-    }
-    wish
+    command
 }

@@ -3,6 +3,7 @@
 use super::bars::Bars;
 use super::colours;
 use super::plot::{log_log, marker_of};
+use crate::actions::{MEASURE, Now};
 use crate::command::Command;
 use crate::jobs::Traded;
 use crate::line;
@@ -15,8 +16,9 @@ use stratcli::report::trade::words;
 use stratcore::trade::{Choice, SamplerTrade, TradeResult, TradeRow};
 
 /// Draws the trade page.
-pub fn ui(ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
-    let command = controls(ui, state, model);
+pub fn ui(ui: &mut Ui, now: &Now<'_>) -> Option<Command> {
+    let Now { state, model, .. } = *now;
+    let command = controls(ui, now);
     let progress = &model.trade.progress;
     if let Progress::Failed(fault) = progress {
         ui.colored_label(ui.visuals().error_fg_color, fault);
@@ -24,6 +26,9 @@ pub fn ui(ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
     if let Some(traded) = &model.trade.result {
         results(ui, state, model, traded);
     } else if !progress.is_running() {
+        if matches!(progress, Progress::Stopped(_)) {
+            ui.label("Stopped, for times are taken while nothing else runs.");
+        }
         ui.label(match (state.trade.whole, state.pixels.first()) {
             (false, None) => "Click a pixel of the picture, or measure the whole of it.",
             _ => {
@@ -35,7 +40,8 @@ pub fn ui(ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
     command
 }
 
-fn controls(ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
+fn controls(ui: &mut Ui, now: &Now<'_>) -> Option<Command> {
+    let Now { state, model, .. } = *now;
     let mut command = None;
     let mut words = state.trade.clone();
     ui.horizontal_wrapped(|ui| {
@@ -57,12 +63,7 @@ fn controls(ui: &mut Ui, state: &State, model: &Model) -> Option<Command> {
                 .on_hover_text("samples of the errors; times and fresh runs come after them");
             ui.spinner();
         } else {
-            let can = model.loaded.is_some() && line::trade(state).is_some();
-            let hint = "errors on all cores, then times on one: nothing else should run meanwhile";
-            let button = ui.add_enabled(can, egui::Button::new("Measure"));
-            if button.on_hover_text(hint).clicked() {
-                command = Some(Command::Trade);
-            }
+            command = MEASURE.button(ui, now);
         }
     });
     if words != state.trade { Some(Command::SetTrade(words)) } else { command }

@@ -96,6 +96,11 @@ impl View {
         self.scale = Some(new);
     }
 
+    /// Enlarges by a factor, while the middle of the panel stays there.
+    pub fn zoom_about_middle(&mut self, factor: f32) {
+        self.zoom(factor, self.area.center());
+    }
+
     /// Fills the panel with what is in a rectangle.
     pub fn zoom_to(&mut self, rectangle: Rect) {
         let scale = self.scale();

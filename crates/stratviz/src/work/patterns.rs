@@ -56,15 +56,21 @@ impl Work {
         model.ways = Some(tried.unwrap_or_else(|| result.ways_to(Target::Absolute(wanted), study)));
     }
 
+    /// Stops the trade.
+    pub(super) fn stop_trade(&mut self, model: &mut Model) {
+        self.trade = None;
+        model.trade.progress.stop();
+    }
+
     /// Stops studies, patterns and trades; what they found stays.
     pub fn stop(&mut self, model: &mut Model) {
         self.stop_studies(model);
-        (self.drawn, self.spectra, self.discrepancy, self.trade) = (None, None, None, None);
+        self.stop_trade(model);
+        (self.drawn, self.spectra, self.discrepancy) = (None, None, None);
         for progress in [
             &mut model.drawn.progress,
             &mut model.spectra.progress,
             &mut model.discrepancy.progress,
-            &mut model.trade.progress,
         ] {
             progress.stop();
         }

@@ -8,7 +8,8 @@ use crate::state::State;
 use stratcore::integrand;
 
 impl Work {
-    /// Studies the pixels of the state, those that are not under way under the same terms.
+    /// Studies the pixels of the state, but those whose study is what is asked for: finished, under
+    /// way, or stopped by hand.
     pub fn study(&mut self, state: &State, model: &mut Model) {
         let Some(traced) = traced(model) else { return };
         self.studies.retain(|(pixel, _)| state.pixels.contains(pixel));
@@ -22,8 +23,7 @@ impl Work {
                 && before.terms == terms
                 && before.planned == words
                 && before.until == state.study.until
-                && before.fault.is_none()
-                && !before.stopped;
+                && before.fault.is_none();
             if unchanged {
                 studies.push(before);
                 continue;
@@ -33,6 +33,8 @@ impl Work {
             study.until = state.study.until;
             let channel = line::channel(&state.study.channel);
             let subject = Subject::Pixel { traced: traced.clone(), pixel, channel };
+            // Times that are taken beside a study are worth nothing.
+            self.stop_trade(model);
             self.studies.retain(|(other, _)| *other != pixel);
             self.studies.push((pixel, self.begin(subject, &study)));
             studies.push(study);
@@ -45,7 +47,7 @@ impl Work {
         let theory = &state.theory;
         let words = line::integrand(theory, &state.study, state.study.trials);
         let before = &model.theory;
-        if before.planned == words && before.until == state.study.until && !before.stopped {
+        if before.planned == words && before.until == state.study.until {
             return;
         }
         let mut study = before.successor([0, 0], &state.study.samplers, terms(&words));

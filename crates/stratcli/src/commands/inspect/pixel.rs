@@ -3,15 +3,15 @@
 use crate::table::{Align, columns, short};
 use anyhow::Result;
 use serde::Serialize;
-use stratcore::dimensions::{Bound, FAMILIES, Limit, Needs, limit};
+use stratcore::dimensions::{Bound, FAMILIES, Limit, Needs, limit, needs_of_pixel};
 use stratcore::scene::Channel;
-use stratcore::study::Control;
-use stratcore::trace::{Path, TracedScene};
+use stratcore::study::{Control, SamplerChoice};
+use stratcore::trace::{Route, TracedScene};
 
 #[derive(Serialize)]
 pub struct PixelFacts {
     at: [u32; 2],
-    path: Path,
+    path: Route,
     needs: Needs,
     /// Dimension k of what its luminance jumps across; null without jumps.
     discontinuity_dim: Option<usize>,
@@ -28,14 +28,14 @@ struct SamplerPrediction {
 impl PixelFacts {
     /// Takes the pixel's luminance apart.
     pub fn of(scene: &TracedScene, at: [u32; 2], seed: u64, control: Control<'_>) -> Result<Self> {
-        const EVALUATIONS: u32 = 1 << 18;
         let integrand = scene.pixel(at, Channel::Luminance);
-        let needs = Needs::of(&integrand, at, seed, EVALUATIONS, control)?;
-        let predicted = FAMILIES
-            .iter()
-            .map(|(sampler, _)| SamplerPrediction { sampler, limit: limit(sampler, &needs) })
-            .collect();
-        let (path, discontinuity_dim) = (integrand.path(), needs.discontinuity_dim());
+        let needs = needs_of_pixel(&integrand, at, seed, control)?;
+        let predicted = |(sampler, _): &(&'static str, _)| {
+            let SamplerChoice { scramble, .. } = SamplerChoice::named(sampler)?;
+            Ok(SamplerPrediction { sampler, limit: limit(sampler, scramble, &needs) })
+        };
+        let predicted = FAMILIES.iter().map(predicted).collect::<Result<_>>()?;
+        let (path, discontinuity_dim) = (integrand.route(), needs.discontinuity_dim());
         Ok(Self { at, path, needs, discontinuity_dim, predicted })
     }
 

@@ -17,7 +17,8 @@ use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use stratcore::input::{self, MAX_DOCUMENT};
 use stratcore::map::{
-    Header, Identity, PixelReading, ROW_BYTES, Region, Summary, Tally, TileSet, read_tile,
+    Header, Identity, PixelReading, ROW_BYTES, RecordError, Region, Summary, Tally, TileSet,
+    read_tile,
 };
 use stratcore::study::{both, in_order, thread_count};
 
@@ -203,7 +204,11 @@ fn write_picture(set: &TileSet, header: &Header, output: &Output, points: bool) 
         };
         in_order(0..plan.tiling().n_tiles(), tiles_in_flight(plan), make, each)
     })
-    .with_context(|| output::unwritten(&output.path))?;
+    .map_err(|fault| match fault.is::<RecordError>() {
+        // It names the file of tiles that could not be read.
+        true => fault,
+        false => fault.context(output::unwritten(&output.path)),
+    })?;
     let summary = tally.summary();
     // The disk is waited for while the map is drawn.
     let (on_disk, drawing) = both(
@@ -266,5 +271,32 @@ impl TableFile {
         self.flush().with_context(|| output::unwritten(&self.path))?;
         self.file.commit_written()?;
         Ok(self.path)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::{Cli, Command};
+    use clap::Parser;
+    use stratcore::map::Shard;
+
+    /// Tiles that go away between opening and reading are a fault of theirs, not of the picture.
+    #[test]
+    fn what_cannot_be_read_is_not_called_unwritable() {
+        let folder = tempfile::tempdir().unwrap();
+        let [tiles, picture] = ["m.tiles", "m.exr"].map(|name| folder.path().join(name));
+        let typed = "stratcli --quiet map edges --region 0,0,8,8 --counts 1,4 --trials 2 -o";
+        let cli = Cli::parse_from(typed.split(' ').map(Path::new).chain([&*tiles]));
+        let Command::Map(args) = &cli.command else { unreachable!("a map was typed") };
+        super::super::run(args, &cli.common).unwrap();
+        let set = TileSet::merge(std::slice::from_ref(&tiles)).unwrap();
+        let plan = set.plan().clone();
+        let header = Header { hash: plan.hash(), shard: Shard::WHOLE, plan };
+        let output = Output { path: picture.clone(), kind: Kind::Picture { points: false } };
+        fs::remove_file(&tiles).unwrap();
+        let fault = format!("{:#}", write(&set, &header, &output).err().unwrap());
+        assert!(fault.contains("m.tiles: cannot read it"), "{fault}");
+        assert!(!fault.contains("cannot write") && !picture.exists(), "{fault}");
     }
 }

@@ -55,6 +55,11 @@ pub const SCENES: &[BuiltIn] = &[
         toml: include_str!("../../../../../assets/edges.toml"),
     },
     BuiltIn {
+        name: "edges-mitchell",
+        summary: "the target under the filter of Mitchell and Netravali, four pixels wide",
+        toml: include_str!("../../../../../assets/edges-mitchell.toml"),
+    },
+    BuiltIn {
         name: "classic-mirrors",
         summary: "classic's balls and ring as mirrors, under a point light with shadows",
         toml: include_str!("../../../../../assets/classic-mirrors.toml"),
@@ -83,6 +88,11 @@ pub const SCENES: &[BuiltIn] = &[
         name: "room-bounce",
         summary: "the room with two diffuse reflections and a ball of glass: d = 8",
         toml: include_str!("../../../../../assets/room-bounce.toml"),
+    },
+    BuiltIn {
+        name: "room-shapes",
+        summary: "the room under a disk and a ball of light, six blades, the eye moving: d = 9",
+        toml: include_str!("../../../../../assets/room-shapes.toml"),
     },
     BuiltIn {
         name: "room-point",
