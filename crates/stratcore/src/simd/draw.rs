@@ -2,7 +2,6 @@
 
 use super::vector::{MAX_LANES, Vector};
 use crate::rng::StreamKey;
-use std::array::from_fn;
 use std::sync::atomic::AtomicBool;
 
 /// Trials from `first` on.
@@ -33,13 +32,14 @@ struct Words<V: Vector> {
     yz: V::Int,
 }
 
-/// Few trials in several strata at once: lane l is trial l mod `n_trials` in the stratum with
-/// the index of the first plus l / `n_trials`.
+/// Few trials in several strata at once, stratum after stratum.
 #[derive(Clone, Copy)]
 pub(super) struct Spread<V: Vector> {
     words: Words<V>,
     /// Strata at once.
     pub(super) n_strata: usize,
+    /// Each lane's stratum, counted from the first.
+    pub(super) strata: [u32; MAX_LANES],
 }
 
 impl<V: Vector> Group<V> {
@@ -105,7 +105,8 @@ impl<V: Vector> Words<V> {
         let [x, y, z] = [x, y, z].map(V::int_xorshift16);
         let x = V::int_add(x, V::int_mul(y, z));
         let y = V::int_add(y, V::int_mul(z, x));
-        let place = |word, axis: usize| V::upper24(word).mul_add(V::splat(step[axis]), origin[axis]);
+        let place =
+            |word, axis: usize| V::upper24(word).mul_add(V::splat(step[axis]), origin[axis]);
         [place(x, 0), place(y, 1)]
     }
 }
@@ -118,13 +119,20 @@ impl<V: Vector> Spread<V> {
         if n_strata < 2 {
             return None;
         }
-        let repeated = words.map(|words| from_fn::<_, MAX_LANES, _>(|l| words[l % n_trials]));
+        let mut strata = [0; MAX_LANES];
+        let mut repeated = [[0; MAX_LANES]; 2];
+        for stratum in 0..n_strata {
+            let lanes = stratum * n_trials..(stratum + 1) * n_trials;
+            strata[lanes.clone()].fill(stratum as u32);
+            for (to, words) in repeated.iter_mut().zip(words) {
+                to[lanes.clone()].copy_from_slice(&words[..n_trials]);
+            }
+        }
         let mut words = Words::new(repeated.each_ref().map(|words| &words[..]));
         // The first step is linear: a later stratum's index adds to its result.
-        let later: [u32; MAX_LANES] =
-            from_fn(|l| ((l / n_trials) as u32).wrapping_mul(MULTIPLIER));
-        words.yz = V::int_add(words.yz, V::int_load(&later));
-        Some(Self { words, n_strata })
+        let later = V::int_mul(V::int_load(&strata), V::int_splat(MULTIPLIER));
+        words.yz = V::int_add(words.yz, later);
+        Some(Self { words, n_strata, strata })
     }
 
     /// One sample per lane, from the stratum `index` on: origins lane by lane.

@@ -11,7 +11,6 @@ use super::types::Exact;
 use super::vector::{MAX_LANES, Vector};
 use super::visible::visible;
 use super::{Entry, Facet32, Pixel32, Strata, Work};
-use std::array::from_fn;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Samples added in f32 before the sum moves to f64: few enough to lose nothing.
@@ -133,8 +132,8 @@ fn fill_spread<S: Shader, V: Vector>(
         // Lower ends of the strata, lane by lane; beyond the last nobody reads.
         let mut origins = [V::splat(0.0); RUN];
         for (i, origin) in (start..end).step_by(spread.n_strata).zip(&mut origins) {
-            let of_lane = |l| strata.origin((i + (l / n_trials) as u32).min(end), rect.j[0])[0];
-            *origin = V::load(&from_fn::<_, MAX_LANES, _>(of_lane));
+            let of_lane = |lane: u32| strata.origin((i + lane).min(end), rect.j[0])[0];
+            *origin = V::load(&spread.strata.map(of_lane));
         }
         for j in rect.j[0]..rect.j[1] {
             let mut run = [0.0; MAX_LANES];
@@ -142,10 +141,11 @@ fn fill_spread<S: Shader, V: Vector>(
                 let origin = [origin, V::splat(strata.origin(i, j)[1])];
                 let place = spread.sample(strata.index(i, j), strata.step, origin);
                 let values = shade::<S, V>(pixel, facet, place).store();
-                let n = n_trials * spread.n_strata.min((end - i) as usize);
-                for values in values[..n].chunks_exact(n_trials) {
-                    for (run, value) in run.iter_mut().zip(values) {
-                        *run += value;
+                let mut lane = 0;
+                for _ in 0..spread.n_strata.min((end - i) as usize) {
+                    for run in &mut run[..n_trials] {
+                        *run += values[lane];
+                        lane += 1;
                     }
                 }
             }
