@@ -42,8 +42,15 @@ impl Moments {
         let deviation = |x: &f64| (x - pivot) - shift;
         let largest = values.iter().map(|x| deviation(x).abs()).fold(0.0, f64::max);
         let unit = if largest > 0.0 { largest.log2().floor().exp2() } else { 1.0 };
-        let power = |n| neumaier_sum(values.iter().map(|x| (deviation(x) / unit).powi(n)));
-        Self::from_sums(values.len() as u64, mean, unit, [power(2), power(3), power(4)])
+        let mut powers = [CompensatedSum::default(); 3];
+        for x in values {
+            let d = deviation(x) / unit;
+            let square = d * d;
+            for (sum, power) in powers.iter_mut().zip([square, square * d, square * square]) {
+                sum.add(power);
+            }
+        }
+        Self::from_sums(values.len() as u64, mean, unit, powers.map(|sum| sum.total()))
     }
 
     /// From sums of the second, third and fourth powers of deviations in `unit`s.
@@ -128,13 +135,31 @@ impl Default for Moments {
 
 /// Sum with Neumaier's compensation (1974): the error does not grow with the number of terms.
 pub fn neumaier_sum(values: impl IntoIterator<Item = f64>) -> f64 {
-    let (mut sum, mut lost) = (0.0f64, 0.0f64);
-    for value in values {
-        let next = sum + value;
-        lost += if sum.abs() >= value.abs() { (sum - next) + value } else { (value - next) + sum };
-        sum = next;
+    let mut sum = CompensatedSum::default();
+    values.into_iter().for_each(|value| sum.add(value));
+    sum.total()
+}
+
+#[derive(Debug, Clone, Copy, Default)]
+struct CompensatedSum {
+    sum: f64,
+    lost: f64,
+}
+
+impl CompensatedSum {
+    /// What rounding loses is found by Knuth's two-sum (1969), which need not know which of the
+    /// two terms is the larger.
+    #[inline(always)]
+    fn add(&mut self, value: f64) {
+        let next = self.sum + value;
+        let added = next - self.sum;
+        self.lost += (self.sum - (next - added)) + (value - added);
+        self.sum = next;
     }
-    sum + lost
+
+    fn total(self) -> f64 {
+        self.sum + self.lost
+    }
 }
 
 #[cfg(test)]

@@ -7,22 +7,23 @@
 
 use super::draw::Group;
 use super::raster::Tile;
-use super::shader::Shader;
+use super::shader::{Shader, coefficients};
 use super::types::{Exact, Record, Work};
 use super::vector::{MAX_LANES, Vector};
 use super::visible::{Candidate, Sample};
 use super::{Pixel32, Strata};
+use std::array::from_fn;
 
 /// Adds to each trial's sum the values of its samples in all strata of a tile.
 ///
-/// `samples` is room for those of a vector of strata, with [`Sample::floor`] beside them.
+/// `samples` is room for those of a vector of strata.
 #[inline(always)]
 pub(super) fn tile_sums<S: Shader, V: Vector>(
     pixel: &Pixel32,
     strata: &Strata,
     tile: &Tile,
     groups: &mut [Group<V>],
-    samples: &mut Vec<(Sample<V>, f32)>,
+    samples: &mut Vec<Sample<V>>,
     work: &mut Work,
     exact: Exact<'_>,
 ) {
@@ -41,9 +42,9 @@ pub(super) fn tile_sums<S: Shader, V: Vector>(
             let (index, origin) = (strata.index(i, j), strata.origin(i, j));
             for group in &*groups {
                 let at = group.sample(index, strata.step, origin);
-                samples.push((Sample::new(pixel, at), 0.0));
+                samples.push(Sample::new(pixel, at));
             }
-            if let Some((last, _)) = samples.last_mut() {
+            if let Some(last) = samples.last_mut() {
                 last.nearest = idle;
             }
         }
@@ -65,29 +66,35 @@ pub(super) fn tile_sums<S: Shader, V: Vector>(
                 let [from, to] = entry.occluders.map(|at| at as usize);
                 tile.shadows::<V>(pixel, first, 0, &occluders[from..to], &mut record, shades);
             }
+            let edges = from_fn(|which| coefficients(&facet.lanes, which));
             let mut left = met.strata;
             let mut nearer = false;
             while left != 0 {
                 let l = left.trailing_zeros() as usize;
                 left &= left - 1;
                 let shadowed = entry.shadowed || record.shadowed >> l & 1 != 0;
-                let candidate = Candidate { facet, w_hi: w_hi[l], shadowed };
+                let candidate = Candidate { facet, w_hi: w_hi[l], shadowed, covers: false };
+                let samples = &mut samples[l * groups.len()..(l + 1) * groups.len()];
+                let bound = V::splat(candidate.w_hi);
                 let mut seen = false;
-                for sample in &mut samples[l * groups.len()..(l + 1) * groups.len()] {
-                    let (sample, floor) = sample;
-                    if *floor < candidate.w_hi {
+                for batch in samples.chunks_mut(BATCH) {
+                    // Without a branch: which vectors are hit is anybody's guess.
+                    let mut hit = 0u32;
+                    for (at, sample) in (0..).zip(&*batch) {
+                        hit |= u32::from(sample.may_see(&edges, bound)) << at;
+                    }
+                    while hit != 0 {
+                        let sample = &mut batch[hit.trailing_zeros() as usize];
+                        hit &= hit - 1;
                         let here = shades.iter().filter(|shade| shade.strata >> l & 1 != 0);
                         let ids = here.map(|shade| shade.occluder);
-                        if sample.meet::<S>(pixel, &candidate, ids) {
-                            *floor = sample.floor();
-                            seen = true;
-                        }
+                        seen |= sample.meet::<S>(pixel, &candidate, ids);
                     }
                 }
                 if seen {
-                    let floors = samples[l * groups.len()..(l + 1) * groups.len()].iter();
-                    let least = |a: f32, b: f32| if a < b { a } else { b };
-                    horizon[l] = floors.map(|(_, floor)| *floor).fold(f32::INFINITY, least);
+                    let all = V::splat(f32::INFINITY);
+                    let nearest = samples.iter().fold(all, |all, sample| all.min(sample.horizon()));
+                    horizon[l] = nearest.least();
                     nearer |= horizon[l] > 0.0;
                 }
             }
@@ -96,12 +103,14 @@ pub(super) fn tile_sums<S: Shader, V: Vector>(
             }
         }
         for samples in samples.chunks(groups.len()) {
-            for (group, (sample, _)) in groups.iter_mut().zip(samples) {
+            for (group, sample) in groups.iter_mut().zip(samples) {
                 group.sum = V::sum_add(group.sum, sample.settled(list, exact));
             }
         }
     }
 }
 
+/// Vectors of a stratum that are tried together, a bit for each.
+const BATCH: usize = 32;
 /// Facets of a tile from which on it counts as crowded.
 pub(super) const CROWD: usize = 24;

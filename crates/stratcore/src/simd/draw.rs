@@ -16,34 +16,52 @@ pub(crate) struct Trials<'a> {
 /// LANES trials: what each draws from, and the sum of its values.
 #[derive(Clone, Copy)]
 pub(super) struct Group<V: Vector> {
-    y: V::Int,
-    z: V::Int,
-    yz: V::Int,
+    words: Words<V>,
     pub(super) sum: V::Sum,
     /// Lanes that have a trial.
     pub(super) n_trials: usize,
+    /// The same trials where they fill half of the lanes or less.
+    pub(super) spread: Option<Spread<V>>,
+}
+
+/// What LANES samples are drawn from, each by its trial.
+#[derive(Clone, Copy)]
+struct Words<V: Vector> {
+    y: V::Int,
+    z: V::Int,
+    yz: V::Int,
+}
+
+/// Few trials in several strata at once, stratum after stratum.
+#[derive(Clone, Copy)]
+pub(super) struct Spread<V: Vector> {
+    words: Words<V>,
+    /// Strata at once.
+    pub(super) n_strata: usize,
+    /// Each lane's stratum, counted from the first.
+    pub(super) strata: [u32; MAX_LANES],
 }
 
 impl<V: Vector> Group<V> {
-    /// Of so many trials from `first` on. Lanes beyond the last draw like the others; nobody
+    /// As many as it takes for `n_trials`. Lanes beyond the last draw like the others; nobody
     /// reads their sums.
-    #[inline(always)]
-    fn new(key: &StreamKey, first: u32, n_trials: usize) -> Self {
-        let mut words = key.words_of_trials::<MAX_LANES>(first);
-        for word in words.iter_mut().flatten() {
-            *word = first_step(*word);
-        }
-        let (y, z) = (V::int_load(&words[0]), V::int_load(&words[1]));
-        Self { y, z, yz: V::int_mul(y, z), sum: V::sum_zero(), n_trials }
-    }
-
-    /// As many as it takes for `n_trials`.
     #[inline(always)]
     pub(super) fn all(trials: &Trials<'_>, n_trials: usize) -> Vec<Self> {
         let mut groups = Vec::with_capacity(n_trials.div_ceil(V::LANES));
-        for at in (0..n_trials).step_by(V::LANES) {
-            let n = V::LANES.min(n_trials - at);
-            groups.push(Self::new(trials.key, trials.first.wrapping_add(at as u32), n));
+        for at in (0..n_trials).step_by(MAX_LANES) {
+            let first = trials.first.wrapping_add(at as u32);
+            let words = trials.key.words_of_trials::<MAX_LANES>(first);
+            let words = words.map(|words| words.map(first_step));
+            for from in (0..MAX_LANES.min(n_trials - at)).step_by(V::LANES) {
+                let n_trials = V::LANES.min(n_trials - at - from);
+                let words = words.each_ref().map(|words| &words[from..]);
+                groups.push(Self {
+                    words: Words::new(words),
+                    sum: V::sum_zero(),
+                    n_trials,
+                    spread: Spread::new(words, n_trials),
+                });
+            }
         }
         groups
     }
@@ -62,25 +80,72 @@ impl<V: Vector> Group<V> {
         self.sample(index, [1.0 / (1 << 24) as f32; 2], [-0.5; 2])
     }
 
-    /// One sample per trial in the stratum `index`: its position about the pixel's centre, from
-    /// the upper 24 bits of the first two words of [`pcg3d`](crate::rng::pcg3d).
+    /// One sample per trial in the stratum `index`: its position about the pixel's centre.
     #[inline(always)]
     pub(super) fn sample(&self, index: u32, step: [f32; 2], origin: [f32; 2]) -> [V; 2] {
+        self.words.sample(index, step, origin.map(V::splat))
+    }
+}
+
+impl<V: Vector> Words<V> {
+    /// Of the first LANES trials; pcg3d's first step is done.
+    #[inline(always)]
+    fn new([ys, zs]: [&[u32]; 2]) -> Self {
+        let (y, z) = (V::int_load(ys), V::int_load(zs));
+        Self { y, z, yz: V::int_mul(y, z) }
+    }
+
+    /// A position from the upper 24 bits of the first two words of
+    /// [`pcg3d`](crate::rng::pcg3d).
+    #[inline(always)]
+    fn sample(&self, index: u32, step: [f32; 2], origin: [V; 2]) -> [V; 2] {
         let x = V::int_add(V::int_splat(first_step(index)), self.yz);
         let y = V::int_add(self.y, V::int_mul(self.z, x));
         let z = V::int_add(self.z, V::int_mul(x, y));
         let [x, y, z] = [x, y, z].map(V::int_xorshift16);
         let x = V::int_add(x, V::int_mul(y, z));
         let y = V::int_add(y, V::int_mul(z, x));
-        let place = |word, axis: usize| {
-            V::upper24(word).mul_add(V::splat(step[axis]), V::splat(origin[axis]))
-        };
+        let place =
+            |word, axis: usize| V::upper24(word).mul_add(V::splat(step[axis]), origin[axis]);
         [place(x, 0), place(y, 1)]
     }
 }
 
+impl<V: Vector> Spread<V> {
+    /// None where the trials leave no room for a second stratum.
+    #[inline(always)]
+    fn new(words: [&[u32]; 2], n_trials: usize) -> Option<Self> {
+        let n_strata = V::LANES / n_trials;
+        if n_strata < 2 {
+            return None;
+        }
+        let mut strata = [0; MAX_LANES];
+        let mut repeated = [[0; MAX_LANES]; 2];
+        for stratum in 0..n_strata {
+            let lanes = stratum * n_trials..(stratum + 1) * n_trials;
+            strata[lanes.clone()].fill(stratum as u32);
+            for (to, words) in repeated.iter_mut().zip(words) {
+                to[lanes.clone()].copy_from_slice(&words[..n_trials]);
+            }
+        }
+        let mut words = Words::new(repeated.each_ref().map(|words| &words[..]));
+        // The first step is linear: a later stratum's index adds to its result.
+        let later = V::int_mul(V::int_load(&strata), V::int_splat(MULTIPLIER));
+        words.yz = V::int_add(words.yz, later);
+        Some(Self { words, n_strata, strata })
+    }
+
+    /// One sample per lane, from the stratum `index` on: origins lane by lane.
+    #[inline(always)]
+    pub(super) fn sample(&self, index: u32, step: [f32; 2], origin: [V; 2]) -> [V; 2] {
+        self.words.sample(index, step, origin)
+    }
+}
+
+const MULTIPLIER: u32 = 1_664_525;
+
 /// pcg3d's first step, an LCG, on one word.
 #[inline(always)]
 fn first_step(word: u32) -> u32 {
-    word.wrapping_mul(1_664_525).wrapping_add(1_013_904_223)
+    word.wrapping_mul(MULTIPLIER).wrapping_add(1_013_904_223)
 }

@@ -191,9 +191,10 @@ impl Tile {
                 left &= left - 1;
                 let w_hi = record.w_hi[l % V::LANES];
                 let shadowed = facet.shadowed || record.shadowed >> l & 1 != 0;
+                let covers = record.covers >> l & 1 != 0;
                 // Its record, until its occluders are known.
                 let occluders = [at, at];
-                list[l * room + lens[l]] = Entry { w_hi, shadowed, occluders, ..facet };
+                list[l * room + lens[l]] = Entry { w_hi, shadowed, covers, occluders, ..facet };
                 lens[l] += 1;
             }
         }

@@ -74,7 +74,16 @@ fn quadratic<V: Vector>(q: &[f32; 6], s: V, t: V) -> V {
 
 #[inline(always)]
 pub(super) fn affine<V: Vector>(functions: &Lanes4, which: usize, s: V, t: V) -> V {
-    let [c, along_s, along_t] =
-        [functions.c[which], functions.s[which], functions.t[which]].map(V::splat);
+    at(coefficients(functions, which), s, t)
+}
+
+/// c, s and t of one of the functions in every lane.
+#[inline(always)]
+pub(super) fn coefficients<V: Vector>(functions: &Lanes4, which: usize) -> [V; 3] {
+    [functions.c[which], functions.s[which], functions.t[which]].map(V::splat)
+}
+
+#[inline(always)]
+pub(super) fn at<V: Vector>([c, along_s, along_t]: [V; 3], s: V, t: V) -> V {
     s.mul_add(along_s, t.mul_add(along_t, c))
 }

@@ -89,6 +89,8 @@ pub(crate) struct Entry {
     pub occluders: [u32; 2],
     /// Wholly in shadow here.
     pub shadowed: bool,
+    /// Known to be inside all of its edges everywhere in the rectangle.
+    pub(super) covers: bool,
     /// No nearer than this anywhere in the rectangle.
     pub(super) w_hi: f32,
 }

@@ -1,6 +1,6 @@
 //! The nearest of several facets at each of a vector of samples.
 
-use super::shader::{Shader, affine};
+use super::shader::{Shader, affine, at};
 use super::types::Exact;
 use super::vector::{MAX_LANES, Vector};
 use super::{Entry, Facet32, Lanes4, Pixel32};
@@ -17,6 +17,8 @@ pub(super) struct Candidate<'a> {
     pub w_hi: f32,
     /// Wholly in shadow there.
     pub shadowed: bool,
+    /// Inside all of its edges there.
+    pub covers: bool,
 }
 
 /// A vector of samples, and the nearest facets that they have met.
@@ -53,7 +55,10 @@ impl<V: Vector> Sample<V> {
         let Self { s, t, .. } = *self;
         let facet = candidate.facet;
         let (zero, limit) = (V::splat(0.0), V::splat(DOUBT));
-        let margin = least_of_three(&facet.lanes, s, t);
+        let margin = match candidate.covers {
+            true => V::splat(f32::INFINITY),
+            false => least_of_three(&facet.lanes, s, t),
+        };
         let near = margin.ge(V::splat(-DOUBT));
         if V::mask_bits(near) == 0 {
             return false;
@@ -69,7 +74,9 @@ impl<V: Vector> Sample<V> {
         let wins = V::mask_and(inside, gap.gt(zero));
         let tied = V::mask_and(inside, gap.abs().le(slack.add(self.nearest_slack)));
         doubt = V::mask_or(doubt, tied);
-        if V::mask_bits(inside) != 0 {
+        // Hidden by what came before it, as most are: no shading.
+        let sees = V::mask_bits(wins);
+        if sees != 0 {
             let mut lit = V::mask_all();
             if S::SHADOWS {
                 if candidate.shadowed {
@@ -79,7 +86,7 @@ impl<V: Vector> Sample<V> {
                     let occluder = &pixel.occluders[id as usize];
                     let margin = least_of_three(occluder, s, t).min(affine(occluder, 3, s, t));
                     lit = V::mask_without(lit, margin.ge(zero));
-                    let edge = V::mask_and(inside, margin.abs().le(limit));
+                    let edge = V::mask_and(wins, margin.abs().le(limit));
                     doubt = V::mask_or(doubt, edge);
                 }
             }
@@ -89,19 +96,22 @@ impl<V: Vector> Sample<V> {
             self.nearest_slack = V::select(wins, slack, self.nearest_slack);
         }
         self.doubt |= V::mask_bits(doubt);
-        V::mask_bits(wins) != 0
+        sees != 0
+    }
+
+    /// Whether some lane may see a facet with these edges, no nearer than `w_hi`. Where none
+    /// does, [`Self::meet`] does nothing.
+    #[inline(always)]
+    pub fn may_see(&self, edges: &[[V; 3]; 3], w_hi: V) -> bool {
+        let [a, b, c] = edges.map(|edge| at(edge, self.s, self.t));
+        let near = a.min(b).min(c).ge(V::splat(-DOUBT));
+        V::mask_bits(V::mask_and(near, w_hi.gt(self.horizon()))) != 0
     }
 
     /// Behind this a lane sees nothing.
     #[inline(always)]
-    fn horizon(&self) -> V {
+    pub fn horizon(&self) -> V {
         self.nearest.sub(self.nearest_slack)
-    }
-
-    /// Behind this no lane sees anything.
-    #[inline(always)]
-    pub fn floor(&self) -> f32 {
-        self.horizon().least()
     }
 
     /// The values, doubtful ones by f64; the list is complete where the samples are.
@@ -133,7 +143,8 @@ pub(super) fn visible<S: Shader, V: Vector>(
             break;
         }
         let facet = &pixel.facets[entry.facet as usize];
-        let candidate = Candidate { facet, w_hi: entry.w_hi, shadowed: entry.shadowed };
+        let Entry { w_hi, shadowed, covers, .. } = *entry;
+        let candidate = Candidate { facet, w_hi, shadowed, covers };
         let ids = &occluders[entry.occluders[0] as usize..entry.occluders[1] as usize];
         sample.meet::<S>(pixel, &candidate, ids.iter().copied());
     }
