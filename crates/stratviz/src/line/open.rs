@@ -274,7 +274,7 @@ mod tests {
             n: 64,
             dim: 3,
             axes: [2, 1],
-            all_pairs: true,
+            all_pairs: false,
             trial: 7,
             sets: 9,
             measure: "mixture".to_owned(),

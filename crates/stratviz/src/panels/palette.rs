@@ -118,7 +118,7 @@ mod tests {
             matching(entries(&now), typed).into_iter().map(|entry| entry.name).collect()
         };
         assert_eq!(names("").len(), entries(&now).len());
-        assert_eq!(names("dark")[0], "Dark or light");
+        assert_eq!(names("dark"), ["Darker", "Dark or light"]);
         assert_eq!(names("  PAGE theory "), ["Theory page"]);
         assert_eq!(names("add halton"), [""; 0]);
         assert_eq!(names("remove halton"), ["Remove halton"]);
