@@ -188,7 +188,7 @@ fn list_length(scene: &TracedScene, pixel: [u32; 2]) -> Option<usize> {
     Some(beam.n_facets())
 }
 
-/// Time of a row, threads started: the processor's on one thread, the wall's on several.
+/// Time of a row, threads started: the processor's.
 fn time(row: &Row, plan: &StudyPlan) -> Result<Duration> {
     let Row { scene, pixels, threads, .. } = *row;
     with_threads(Some(threads), || {

@@ -140,8 +140,9 @@ pub fn neumaier_sum(values: impl IntoIterator<Item = f64>) -> f64 {
     sum.total()
 }
 
+/// The same, a number at a time.
 #[derive(Debug, Clone, Copy, Default)]
-struct CompensatedSum {
+pub(crate) struct CompensatedSum {
     sum: f64,
     lost: f64,
 }
@@ -150,14 +151,14 @@ impl CompensatedSum {
     /// What rounding loses is found by Knuth's two-sum (1969), which need not know which of the
     /// two terms is the larger.
     #[inline(always)]
-    fn add(&mut self, value: f64) {
+    pub(crate) fn add(&mut self, value: f64) {
         let next = self.sum + value;
         let added = next - self.sum;
         self.lost += (self.sum - (next - added)) + (value - added);
         self.sum = next;
     }
 
-    fn total(self) -> f64 {
+    pub(crate) fn total(self) -> f64 {
         self.sum + self.lost
     }
 }

@@ -255,6 +255,11 @@ impl Integrand for PixelBeam {
         }
     }
 
+    /// Enough for a vector of samples in each cell.
+    fn batch(&self) -> usize {
+        1 << 13
+    }
+
     fn trial_means(
         &self,
         sampler: &dyn Sampler,

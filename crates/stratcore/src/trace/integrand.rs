@@ -144,6 +144,10 @@ impl Integrand for PixelIntegrand<'_> {
         self.inner().weigh_block(points, weights);
     }
 
+    fn batch(&self) -> usize {
+        self.inner().batch()
+    }
+
     fn trial_means(
         &self,
         sampler: &dyn Sampler,
