@@ -5,6 +5,7 @@ use eframe::egui::{Key, Modifiers, Role};
 use egui_kittest::kittest::Queryable as _;
 use std::sync::mpsc;
 use std::time::Duration;
+use stratcore::dimensions::predict_pixel;
 use stratcore::scene::Channel;
 use stratcore::study::{Control, study};
 use stratcore::trace::TracedScene;
@@ -34,7 +35,8 @@ fn a_click_shows_the_curve_that_the_command_line_gives() {
     let scene = stratcore::scene::load("edges").unwrap();
     let traced = TracedScene::new(scene);
     let integrand = traced.pixel([216, 24], Channel::Luminance);
-    let batch = study(&integrand, [216, 24], &plan, Control::unwatched()).unwrap();
+    let mut batch = study(&integrand, [216, 24], &plan, Control::unwatched()).unwrap();
+    predict_pixel(&mut batch, &integrand, Control::unwatched()).unwrap();
     let shown = window.harness.state().model.studies[0].result.as_ref().unwrap();
     assert_eq!(*shown, batch);
     for sampler in &batch.samplers {
