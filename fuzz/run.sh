@@ -15,6 +15,6 @@ RUSTC_BOOTSTRAP=1 RUSTFLAGS="$flags" cargo build --release --locked --target "$h
 [ "$target" = build ] && exit
 mkdir -p "grown/$target" "artifacts/$target" "corpus/$target"
 # Leaks are not looked for: the name of a point file is kept for good on purpose.
-STRAT_TARGET=$target "target/$host/release/strat" "grown/$target" "corpus/$target" \
+STRAT_TARGET=$target ASAN_OPTIONS=detect_leaks=0 "target/$host/release/strat" "grown/$target" "corpus/$target" \
     -artifact_prefix="artifacts/$target/" -max_len=4096 -timeout=10 -rss_limit_mb=1024 \
     -detect_leaks=0 "$@"
