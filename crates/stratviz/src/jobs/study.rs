@@ -4,7 +4,7 @@ use super::{Job, RightOfWay, Wake};
 use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use stratcore::dimensions::{lacks_predictions, needs_of_pixel, predict_from};
+use stratcore::dimensions::{MOST_DIMENSIONS, lacks_predictions, needs_of_pixel, predict_from};
 use stratcore::integrand::{self, Integrand, Regularity};
 use stratcore::scene::Channel;
 use stratcore::study::{Control, Row, StudyPlan, StudyResult, Tightness, study_live, study_until};
@@ -72,11 +72,12 @@ pub fn study_job(
         let mut run = |integrand: &dyn Integrand, pixel| {
             let plan = plan_in(integrand.dim())?;
             let control = Control { cancel: reporter.cancel(), ..Control::unwatched() };
-            let is_pixel = integrand.regularity() == Regularity::Unknown;
+            let may_need =
+                integrand.regularity() == Regularity::Unknown && integrand.dim() <= MOST_DIMENSIONS;
             let mut needs = None;
             let mut each = |mut result: StudyResult| {
                 // The first curve does not wait for what theory says of it.
-                if is_pixel && needs.is_none() && lacks_predictions(&result) {
+                if may_need && needs.is_none() && lacks_predictions(&result) {
                     each(result.clone());
                     needs = needs_of_pixel(integrand, pixel, result.seed, control).ok();
                 }
