@@ -63,7 +63,8 @@ impl StreamKey {
     pub(crate) fn words_of_trials<const L: usize>(&self, first: u32) -> [[u32; L]; 2] {
         let base = Self { trial: 0, ..*self }.counter();
         // The trial's 32 bits lie across two words of the counter.
-        let mut counter = base.map(|word| [word; L]);
+        let [a, b, c, d] = base;
+        let mut counter = [[a; L], [b; L], [c; L], [d; L]];
         let [_, low, high, _] = &mut counter;
         for (at, (low, high)) in (0..).zip(low.iter_mut().zip(high)) {
             let trial = first.wrapping_add(at);
@@ -75,7 +76,11 @@ impl StreamKey {
             counter = philox_round(counter, key);
             key = philox_next_key(key);
         }
-        [counter[0], counter[1]].map(|word| word.map(Stream::even))
+        let mut words = [counter[0], counter[1]];
+        for word in words.as_flattened_mut() {
+            *word = Stream::even(*word);
+        }
+        words
     }
 
     /// The 128-bit Philox counter: x (20 bits), y (20), trial (32), N (44), sampler (8), from

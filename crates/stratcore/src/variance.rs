@@ -7,6 +7,7 @@
 //!
 //! How well the variance is known is in [`noise`](crate::noise).
 
+use crate::simd::{self, Isa, Loop};
 use serde::Serialize;
 
 /// Count, mean, variance and shape of a set of numbers: all that intervals need of it. Two of
@@ -39,18 +40,13 @@ impl Moments {
         let pivot = values[0];
         let shift = neumaier_sum(values.iter().map(|x| x - pivot)) / m;
         let mean = pivot + shift;
-        let deviation = |x: &f64| (x - pivot) - shift;
-        let largest = values.iter().map(|x| deviation(x).abs()).fold(0.0, f64::max);
-        let unit = if largest > 0.0 { largest.log2().floor().exp2() } else { 1.0 };
-        let mut powers = [CompensatedSum::default(); 3];
-        for x in values {
-            let d = deviation(x) / unit;
-            let square = d * d;
-            for (sum, power) in powers.iter_mut().zip([square, square * d, square * square]) {
-                sum.add(power);
-            }
-        }
-        Self::from_sums(values.len() as u64, mean, unit, powers.map(|sum| sum.total()))
+        let largest =
+            values.iter().fold(0.0, |largest, x| ((x - pivot) - shift).abs().max(largest));
+        let unit = power_of_two_below(largest);
+        let mut powers = [0.0; 3];
+        let (factor, sums) = (unit.recip(), &mut powers);
+        simd::run(Isa::detect(), PowerSums { values, pivot, shift, factor, sums });
+        Self::from_sums(values.len() as u64, mean, unit, powers)
     }
 
     /// From sums of the second, third and fourth powers of deviations in `unit`s.
@@ -130,6 +126,59 @@ impl Moments {
 impl Default for Moments {
     fn default() -> Self {
         Self { count: 0, mean: 0.0, variance: 0.0, skewness: 0.0, kurtosis: 0.0 }
+    }
+}
+
+/// The greatest power of two that is not above `x`, among those that have a reciprocal.
+fn power_of_two_below(x: f64) -> f64 {
+    const EXPONENT: u64 = 0x7ff << 52;
+    f64::from_bits(x.to_bits() & EXPONENT).max(f64::MIN_POSITIVE)
+}
+
+/// Values that are summed side by side: none waits for the one before.
+const LANES: usize = 4;
+
+/// Compensated sums of the second, third and fourth powers of ((x - pivot) - shift) times
+/// `factor`.
+struct PowerSums<'a> {
+    values: &'a [f64],
+    pivot: f64,
+    shift: f64,
+    factor: f64,
+    sums: &'a mut [f64; 3],
+}
+
+impl Loop for PowerSums<'_> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let Self { values, pivot, shift, factor, sums } = self;
+        let mut powers = [[CompensatedSum::default(); LANES]; 3];
+        let [second, third, fourth] = &mut powers;
+        let (blocks, rest) = values.as_chunks::<LANES>();
+        for block in blocks {
+            for lane in 0..LANES {
+                let d = ((block[lane] - pivot) - shift) * factor;
+                let square = d * d;
+                second[lane].add(square);
+                third[lane].add(square * d);
+                fourth[lane].add(square * square);
+            }
+        }
+        for (lane, x) in rest.iter().enumerate() {
+            let d = ((x - pivot) - shift) * factor;
+            let square = d * d;
+            second[lane].add(square);
+            third[lane].add(square * d);
+            fourth[lane].add(square * square);
+        }
+        for (sum, lanes) in sums.iter_mut().zip(powers) {
+            let mut total = CompensatedSum::default();
+            for lane in lanes {
+                total.add(lane.sum);
+                total.lost += lane.lost;
+            }
+            *sum = total.total();
+        }
     }
 }
 

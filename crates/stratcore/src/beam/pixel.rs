@@ -12,12 +12,18 @@ use crate::simd::{
     self, Cells, Entry, Facet32, Ground, Isa, Lanes4, Pixel32, Shading, Strata, Trials, Work,
 };
 use crate::trace::Accel;
+use std::cell::RefCell;
+use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
-use std::sync::{Mutex, OnceLock};
 
 /// Directions may turn by this much across a pixel before a polynomial of second order is off
 /// by more than 1e-8 of the radiance.
 const NARROW: f64 = 4e-3;
+
+thread_local! {
+    /// Room for lists, kept from row to row and from pixel to pixel.
+    static WORK: RefCell<Work> = RefCell::default();
+}
 
 /// A pixel's visible triangles in its own coordinates; the integrand of a study.
 pub struct PixelBeam {
@@ -34,8 +40,6 @@ pub struct PixelBeam {
     pixel32: Pixel32,
     /// Made when a sampler first asks for it.
     cells: OnceLock<Cells>,
-    /// Room for lists, kept from row to row.
-    work: Mutex<Work>,
 }
 
 impl PixelBeam {
@@ -125,7 +129,6 @@ impl PixelBeam {
             ground,
             pixel32,
             cells: OnceLock::new(),
-            work: Mutex::default(),
         })
     }
 
@@ -290,11 +293,9 @@ impl Integrand for PixelBeam {
         let trials = Trials { key: &set.key, first: first_trial, cancel };
         match (placement, strata, u32::try_from(n)) {
             (Placement::Strata, Some(strata), _) => {
-                // Another thread may be at work on this pixel.
-                let mut kept = self.work.try_lock();
-                let mut own = Work::default();
-                let work = kept.as_deref_mut().unwrap_or(&mut own);
-                simd::strata_sums(isa, pixel, &strata, &trials, means, work, &settle);
+                WORK.with_borrow_mut(|work| {
+                    simd::strata_sums(isa, pixel, &strata, &trials, means, work, &settle);
+                });
             }
             (Placement::Independent, _, Ok(n)) => {
                 simd::scattered_sums(isa, pixel, self.cells(), n, &trials, means, &settle);
@@ -352,7 +353,7 @@ fn facet_lanes(facet: &Facet, depth_unit: f64) -> Facet32 {
     Facet32 {
         lanes: lanes([facet.edges[0], facet.edges[1], facet.edges[2], *w]),
         w_slack,
-        w_hi: (facet.nearest / depth_unit) as f32 + 2.0 * w_slack,
+        w_hi: (facet.nearest / depth_unit) as f32 + 3.0 * w_slack,
         rows: [facet.rows[0] as f32 - 1e-6, facet.rows[1] as f32 + 1e-6],
         ..Facet32::default()
     }

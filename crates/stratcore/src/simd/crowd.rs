@@ -10,9 +10,9 @@ use super::raster::Tile;
 use super::shader::{Shader, coefficients};
 use super::types::{Exact, Record, Work};
 use super::vector::{MAX_LANES, Vector};
-use super::visible::{Candidate, Sample};
+use super::visible::{Candidate, EDGES, Sample};
 use super::{Pixel32, Strata};
-use std::array::from_fn;
+use std::slice::from_ref;
 
 /// Adds to each trial's sum the values of its samples in all strata of a tile.
 ///
@@ -27,7 +27,7 @@ pub(super) fn tile_sums<S: Shader, V: Vector>(
     work: &mut Work,
     exact: Exact<'_>,
 ) {
-    let Work { entries, occluders, probes, shades, .. } = work;
+    let Work { entries, occluders, probes, shades, middles, .. } = work;
     let list = &entries[tile.list()];
     // Lanes without a trial wait for nothing.
     let mut idle = [0.0; MAX_LANES];
@@ -52,11 +52,12 @@ pub(super) fn tile_sums<S: Shader, V: Vector>(
         let mut horizon = [f32::INFINITY; MAX_LANES];
         horizon[..n].fill(0.0);
         let mut behind = V::load(&horizon);
+        let strip = tile.strip::<V>(first, n, middles);
         for probe in &probes[..] {
             if V::mask_bits(behind.gt(V::splat(probe.w_hi))) == V::mask_bits(V::mask_all()) {
                 break;
             }
-            let Some(met) = tile.meet(probe, first, n, behind) else { continue };
+            let Some(met) = strip.meet(probe, behind) else { continue };
             let entry = &list[probe.entry as usize];
             let facet = &pixel.facets[entry.facet as usize];
             let w_hi = met.w_hi.store();
@@ -64,19 +65,21 @@ pub(super) fn tile_sums<S: Shader, V: Vector>(
             if S::SHADOWS {
                 shades.clear();
                 let [from, to] = entry.occluders.map(|at| at as usize);
-                tile.shadows::<V>(pixel, first, 0, &occluders[from..to], &mut record, shades);
+                let ids = &occluders[from..to];
+                tile.shadows::<V>(pixel, from_ref(&strip), ids, &mut record, shades);
             }
-            let edges = from_fn(|which| coefficients(&facet.lanes, which));
+            let edge = |which| coefficients(&facet.lanes, which);
+            let edges = [edge(0), edge(1), edge(2)];
             let mut left = met.strata;
             let mut nearer = false;
             while left != 0 {
                 let l = left.trailing_zeros() as usize;
                 left &= left - 1;
                 let shadowed = entry.shadowed || record.shadowed >> l & 1 != 0;
-                let candidate = Candidate { facet, w_hi: w_hi[l], shadowed, covers: false };
+                let candidate = Candidate { facet, shadowed, edges: EDGES };
                 let samples = &mut samples[l * groups.len()..(l + 1) * groups.len()];
-                let bound = V::splat(candidate.w_hi);
-                let mut seen = false;
+                let bound = V::splat(w_hi[l]);
+                let mut seen = V::mask_none();
                 for batch in samples.chunks_mut(BATCH) {
                     // Without a branch: which vectors are hit is anybody's guess.
                     let mut hit = 0u32;
@@ -88,12 +91,15 @@ pub(super) fn tile_sums<S: Shader, V: Vector>(
                         hit &= hit - 1;
                         let here = shades.iter().filter(|shade| shade.strata >> l & 1 != 0);
                         let ids = here.map(|shade| shade.occluder);
-                        seen |= sample.meet::<S>(pixel, &candidate, ids);
+                        let sees = sample.meet::<S, true>(pixel, &candidate, ids);
+                        seen = V::mask_or(seen, sees);
                     }
                 }
-                if seen {
-                    let all = V::splat(f32::INFINITY);
-                    let nearest = samples.iter().fold(all, |all, sample| all.min(sample.horizon()));
+                if V::mask_bits(seen) != 0 {
+                    let mut nearest = V::splat(f32::INFINITY);
+                    for sample in &*samples {
+                        nearest = nearest.min(sample.horizon());
+                    }
                     horizon[l] = nearest.least();
                     nearer |= horizon[l] > 0.0;
                 }
@@ -113,4 +119,4 @@ pub(super) fn tile_sums<S: Shader, V: Vector>(
 /// Vectors of a stratum that are tried together, a bit for each.
 const BATCH: usize = 32;
 /// Facets of a tile from which on it counts as crowded.
-pub(super) const CROWD: usize = 24;
+pub(super) const CROWD: usize = 64;

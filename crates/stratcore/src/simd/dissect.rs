@@ -2,6 +2,7 @@
 
 use super::raster::{SIDE, Tile};
 use super::vector::{Extent, Vector};
+use super::visible::EDGES;
 use super::{Entry, Pixel32, Rect, Strata, Work};
 
 /// Strata of a rectangle along each axis, at most: its samples take milliseconds.
@@ -49,7 +50,7 @@ pub(super) fn start(pixel: &Pixel32, strata: &Strata, crowd: usize, work: &mut W
         let first = occluders.len() as u32;
         occluders.extend(data.occluders.clone());
         let occluders = [first, occluders.len() as u32];
-        entries.push(Entry { facet, occluders, ..Entry::default() });
+        entries.push(Entry { facet, occluders, edges: EDGES, ..Entry::default() });
     }
     stack.push(Rect {
         i: [0, strata.per_axis[0]],
@@ -126,8 +127,7 @@ fn filter<V: Vector>(
     entries: &mut Vec<Entry>,
     occluders: &mut Vec<u32>,
 ) -> bool {
-    /// Bits of a facet's three edges.
-    const EDGES: u32 = 0b0111;
+    let all_edges = u32::from(EDGES);
     let extent = strata.extent(rect);
     let kept = entries.len();
     let mut horizon = 0.0f32;
@@ -137,10 +137,10 @@ fn filter<V: Vector>(
         let facet = &pixel.facets[entry.facet as usize];
         let range = V::range(&facet.lanes, &extent);
         entry.w_hi = (range.last[1] + facet.w_slack).min(facet.w_hi);
-        if range.below & EDGES != 0 || entry.w_hi < horizon {
+        if range.below & all_edges != 0 || entry.w_hi < horizon {
             continue;
         }
-        let covers = range.above & EDGES == EDGES;
+        let covers = range.above & all_edges == all_edges;
         let w_lo = range.last[0] - facet.w_slack;
         if covers && w_lo > horizon {
             horizon = w_lo;

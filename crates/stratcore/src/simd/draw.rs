@@ -20,8 +20,6 @@ pub(super) struct Group<V: Vector> {
     pub(super) sum: V::Sum,
     /// Lanes that have a trial.
     pub(super) n_trials: usize,
-    /// The same trials where they fill half of the lanes or less.
-    pub(super) spread: Option<Spread<V>>,
 }
 
 /// What LANES samples are drawn from, each by its trial.
@@ -36,34 +34,31 @@ struct Words<V: Vector> {
 #[derive(Clone, Copy)]
 pub(super) struct Spread<V: Vector> {
     words: Words<V>,
-    /// Strata at once.
-    pub(super) n_strata: usize,
     /// Each lane's stratum, counted from the first.
     pub(super) strata: [u32; MAX_LANES],
 }
 
 impl<V: Vector> Group<V> {
-    /// As many as it takes for `n_trials`. Lanes beyond the last draw like the others; nobody
-    /// reads their sums.
+    /// As many as it takes for `n_trials`, and the last of them spread out if its trials are
+    /// few. Lanes beyond the last trial draw like the others; nobody reads their sums.
     #[inline(always)]
-    pub(super) fn all(trials: &Trials<'_>, n_trials: usize) -> Vec<Self> {
+    pub(super) fn all(trials: &Trials<'_>, n_trials: usize) -> (Vec<Self>, Option<Spread<V>>) {
         let mut groups = Vec::with_capacity(n_trials.div_ceil(V::LANES));
+        let mut spread = None;
         for at in (0..n_trials).step_by(MAX_LANES) {
             let first = trials.first.wrapping_add(at as u32);
-            let words = trials.key.words_of_trials::<MAX_LANES>(first);
-            let words = words.map(|words| words.map(first_step));
+            let mut words = trials.key.words_of_trials::<MAX_LANES>(first);
+            for word in words.as_flattened_mut() {
+                *word = first_step(*word);
+            }
             for from in (0..MAX_LANES.min(n_trials - at)).step_by(V::LANES) {
                 let n_trials = V::LANES.min(n_trials - at - from);
-                let words = words.each_ref().map(|words| &words[from..]);
-                groups.push(Self {
-                    words: Words::new(words),
-                    sum: V::sum_zero(),
-                    n_trials,
-                    spread: Spread::new(words, n_trials),
-                });
+                let words = [&words[0][from..], &words[1][from..]];
+                groups.push(Self { words: Words::new(words), sum: V::sum_zero(), n_trials });
+                spread = Spread::new(words, n_trials);
             }
         }
-        groups
+        (groups, spread)
     }
 
     /// Writes each trial's sum.
@@ -83,7 +78,7 @@ impl<V: Vector> Group<V> {
     /// One sample per trial in the stratum `index`: its position about the pixel's centre.
     #[inline(always)]
     pub(super) fn sample(&self, index: u32, step: [f32; 2], origin: [f32; 2]) -> [V; 2] {
-        self.words.sample(index, step, origin.map(V::splat))
+        self.words.sample(index, step, [V::splat(origin[0]), V::splat(origin[1])])
     }
 }
 
@@ -102,7 +97,7 @@ impl<V: Vector> Words<V> {
         let x = V::int_add(V::int_splat(first_step(index)), self.yz);
         let y = V::int_add(self.y, V::int_mul(self.z, x));
         let z = V::int_add(self.z, V::int_mul(x, y));
-        let [x, y, z] = [x, y, z].map(V::int_xorshift16);
+        let (x, y, z) = (V::int_xorshift16(x), V::int_xorshift16(y), V::int_xorshift16(z));
         let x = V::int_add(x, V::int_mul(y, z));
         let y = V::int_add(y, V::int_mul(z, x));
         let place =
@@ -112,11 +107,12 @@ impl<V: Vector> Words<V> {
 }
 
 impl<V: Vector> Spread<V> {
-    /// None where the trials leave no room for a second stratum.
+    /// None where the trials leave room for less than eight strata, which would gain nothing,
+    /// and for three trials.
     #[inline(always)]
     fn new(words: [&[u32]; 2], n_trials: usize) -> Option<Self> {
         let n_strata = V::LANES / n_trials;
-        if n_strata < 2 {
+        if n_strata < 8 || !matches!(n_trials, 1 | 2) {
             return None;
         }
         let mut strata = [0; MAX_LANES];
@@ -128,11 +124,11 @@ impl<V: Vector> Spread<V> {
                 to[lanes.clone()].copy_from_slice(&words[..n_trials]);
             }
         }
-        let mut words = Words::new(repeated.each_ref().map(|words| &words[..]));
+        let mut words = Words::new([&repeated[0], &repeated[1]]);
         // The first step is linear: a later stratum's index adds to its result.
         let later = V::int_mul(V::int_load(&strata), V::int_splat(MULTIPLIER));
         words.yz = V::int_add(words.yz, later);
-        Some(Self { words, n_strata, strata })
+        Some(Self { words, strata })
     }
 
     /// One sample per lane, from the stratum `index` on: origins lane by lane.

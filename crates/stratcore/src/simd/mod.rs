@@ -111,6 +111,7 @@ macro_rules! compiled_for {
             use super::shader::{Directional, Point, Polynomial, WideHeadlight};
             use super::{Cells, Exact, Group, Pixel32, Shading, Strata, Trials, Work};
             use super::{dissect, scatter, strata};
+            use crate::simd::strata::Drawn;
 
             type V = $vector;
 
@@ -123,13 +124,10 @@ macro_rules! compiled_for {
                 work: &mut Work,
                 exact: Exact<'_>,
             ) {
-                let mut groups = Group::<V>::all(trials, sums.len());
-                let cancel = trials.cancel;
+                let (mut groups, spread) = Group::<V>::all(trials, sums.len());
+                let drawn = Drawn { groups: &mut groups, spread, cancel: trials.cancel };
                 let next = |work: &mut Work| next_pieces(pixel, grid, work);
-                shaded!(
-                    V,
-                    strata::strata_sums(pixel, grid, &mut groups, work, next, exact, cancel)
-                );
+                shaded!(V, strata::strata_sums(pixel, grid, drawn, work, next, exact));
                 Group::store(&groups, sums);
             }
 
@@ -142,7 +140,7 @@ macro_rules! compiled_for {
                 sums: &mut [f64],
                 exact: Exact<'_>,
             ) {
-                let mut groups = Group::<V>::all(trials, sums.len());
+                let (mut groups, _) = Group::<V>::all(trials, sums.len());
                 let (cancel, n_trials) = (trials.cancel, sums.len());
                 shaded!(
                     V,

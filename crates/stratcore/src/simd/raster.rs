@@ -13,8 +13,29 @@ use std::ops::Range;
 
 /// Strata of a tile along each axis, at most.
 pub(super) const SIDE: u32 = 16;
+/// Lanes of the shortest vector.
+const LEAST_LANES: usize = 8;
 /// Strata of a tile, at most.
 const MAX_STRATA: usize = (SIDE * SIDE) as usize;
+
+/// Middles of a tile's strata, s and t; those beyond the last repeat it.
+#[derive(Debug, Clone)]
+pub(super) struct Middles([[f32; MAX_STRATA]; 2]);
+
+impl Default for Middles {
+    fn default() -> Self {
+        Self([[0.0; MAX_STRATA]; 2])
+    }
+}
+
+impl Middles {
+    /// Those of LANES strata.
+    #[inline(always)]
+    fn load<V: Vector>(&self, first: usize) -> [V; 2] {
+        let [s, t] = &self.0;
+        [V::load(&s[first..]), V::load(&t[first..])]
+    }
+}
 
 /// Four functions as their greatest and least values over a stratum, by the stratum's middle.
 #[derive(Debug, Clone, Copy, Default)]
@@ -30,12 +51,13 @@ impl Spans {
     #[inline(always)]
     fn new(functions: &Lanes4, half: [f32; 2], slack: [f32; 4]) -> Self {
         let Lanes4 { c, s, t } = *functions;
-        let radius: [f32; 4] =
-            std::array::from_fn(|l| s[l].abs() * half[0] + t[l].abs() * half[1] + slack[l]);
-        Self {
-            high: Lanes4 { c: std::array::from_fn(|l| c[l] + radius[l]), s, t },
-            width: radius.map(|r| 2.0 * r),
+        let (mut high, mut width) = (c, [0.0; 4]);
+        for l in 0..4 {
+            let radius = s[l].abs() * half[0] + t[l].abs() * half[1] + slack[l];
+            high[l] += radius;
+            width[l] = 2.0 * radius;
         }
+        Self { high: Lanes4 { c: high, s, t }, width }
     }
 
     #[inline(always)]
@@ -73,8 +95,19 @@ pub(super) struct Met<V: Vector> {
     pub strata: u32,
 }
 
+/// Up to LANES strata of a tile, one after the other.
+pub(super) struct Strip<V: Vector> {
+    /// The middles; lanes beyond the last repeat some.
+    s: V,
+    t: V,
+    /// From row to row, t of the pixel.
+    rows: [f32; 2],
+    /// Bit l: there is a stratum l.
+    real: u32,
+}
+
 /// Strata in rows, one after the other.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Tile {
     rect: Rect,
     width: u32,
@@ -83,9 +116,6 @@ pub(super) struct Tile {
     next: usize,
     /// Its facets, a run of the work's entries.
     list: [usize; 2],
-    /// Middles of the strata; those beyond the last repeat it.
-    s: [f32; MAX_STRATA],
-    t: [f32; MAX_STRATA],
     /// Half a stratum's width and height.
     half: [f32; 2],
     /// Those of the work's occluders that belong to the tile and not to a stratum.
@@ -103,7 +133,7 @@ impl Tile {
         work: &mut Work,
     ) -> Self {
         let width = rect.i[1] - rect.i[0];
-        let (mut s, mut t) = ([0.0; MAX_STRATA], [0.0; MAX_STRATA]);
+        let Middles([s, t]) = &mut work.middles;
         let mut at = 0;
         let mut middle = [0.0; 2];
         for j in rect.j[0]..rect.j[1] {
@@ -121,7 +151,7 @@ impl Tile {
         work.probes.clear();
         for (entry, at) in work.entries[list[0]..list[1]].iter().zip(0..) {
             let facet = &pixel.facets[entry.facet as usize];
-            let slack = [CULL_SLACK, CULL_SLACK, CULL_SLACK, 2.0 * facet.w_slack];
+            let slack = [CULL_SLACK, CULL_SLACK, CULL_SLACK, 3.0 * facet.w_slack];
             let spans = Spans::new(&facet.lanes, half, slack);
             work.probes.push(Probe { spans, entry: at, w_hi: facet.w_hi, rows: facet.rows });
         }
@@ -131,8 +161,6 @@ impl Tile {
             n_strata,
             next: 0,
             list,
-            s,
-            t,
             half,
             n_occluders: work.occluders.len(),
         }
@@ -163,43 +191,52 @@ impl Tile {
         }
         let n = MAX_LANES.min(self.n_strata - first);
         self.next += n;
-        let Work { entries, occluders, probes, records, shades, list, pieces, .. } = work;
+        let Work { entries, occluders, probes, records, shades, list, pieces, middles, .. } = work;
         records.clear();
         shades.clear();
-        for lane in (0..n).step_by(V::LANES) {
-            let from = records.len();
-            self.candidates::<V>(first, lane, V::LANES.min(n - lane), probes, records);
-            for record in &mut records[from..] {
-                let [start, end] = entries[self.list[0] + record.entry as usize].occluders;
+        let n_strips = n.div_ceil(V::LANES);
+        let strip = |at: usize| {
+            let lane = at * V::LANES;
+            self.strip::<V>(first + lane, V::LANES.min(n - lane), middles)
+        };
+        // A strip that is not there repeats the first; nobody asks it.
+        let strips = [strip(0), if n_strips > 1 { strip(1) } else { strip(0) }];
+        let strips = &strips[..n_strips];
+        candidates::<V>(strips, probes, records);
+        for record in &mut *records {
+            let [start, end] = entries[self.list[0] + record.entry as usize].occluders;
+            if start != end {
                 let ids = &occluders[start as usize..end as usize];
-                self.shadows::<V>(pixel, first, lane, ids, record, shades);
+                self.shadows::<V>(pixel, strips, ids, record, shades);
             }
         }
+        occluders.truncate(self.n_occluders);
+        let facets = &entries[self.list()];
+        let mixed = self.uniform(first, n, facets, records, shades, pieces);
         // A stratum's entries lie side by side, with room for all records.
         let room = records.len();
         list.resize(list.len().max(room * MAX_LANES), Entry::default());
-        occluders.truncate(self.n_occluders);
         let mut lens = [0; MAX_LANES];
-        let mut covered = 0u32;
-        let facets = &entries[self.list()];
         for (at, record) in (0..).zip(&records[..]) {
-            covered |= record.covers;
             let facet = facets[record.entry as usize];
-            let mut left = record.strata;
+            let mut left = record.strata & mixed;
             while left != 0 {
                 let l = left.trailing_zeros() as usize;
                 left &= left - 1;
-                let w_hi = record.w_hi[l % V::LANES];
+                let w_hi = record.w_hi[l];
                 let shadowed = facet.shadowed || record.shadowed >> l & 1 != 0;
-                let covers = record.covers >> l & 1 != 0;
+                let edges = record.edges(l);
                 // Its record, until its occluders are known.
                 let occluders = [at, at];
-                list[l * room + lens[l]] = Entry { w_hi, shadowed, covers, occluders, ..facet };
+                list[l * room + lens[l]] = Entry { w_hi, shadowed, edges, occluders, ..facet };
                 lens[l] += 1;
             }
         }
-        for (l, len) in lens[..n].iter().enumerate() {
-            let run = l * room..l * room + len;
+        let mut left = mixed;
+        while left != 0 {
+            let l = left.trailing_zeros() as usize;
+            left &= left - 1;
+            let run = l * room..l * room + lens[l];
             // Each entry's bound becomes that of all from it on.
             let mut farthest = 0.0f32;
             for entry in list[run.clone()].iter_mut().rev() {
@@ -214,121 +251,105 @@ impl Tile {
                 }
                 entry.occluders = [start, occluders.len() as u32];
             }
-            let fill = match &list[run.clone()] {
-                [] => Some(Fill::NOTHING),
-                [only] if covered >> l & 1 != 0 => Fill::covered_by(only),
-                _ => None,
-            };
-            let fill = fill.unwrap_or(Fill::Mixed { first: run.start as u32, end: run.end as u32 });
             let [i, j] = self.stratum(first + l);
-            match pieces.last_mut() {
-                // A run of equal strata in a row is one piece.
-                Some(last) if last.fill == fill && last.j[0] == j => last.i[1] = i + 1,
-                _ => pieces.push(Piece { i: [i, i + 1], j: [j, j + 1], fill }),
-            }
+            let fill = Fill::Mixed { first: run.start as u32, end: run.end as u32 };
+            pieces.push(Piece { i: [i, i + 1], j: [j, j + 1], fill });
         }
         true
     }
 
-    /// Which of the `n` strata from `first` on a facet may be seen in, before `horizon`; none:
-    /// in none.
+    /// Appends the pieces of those of the `n` strata from `first` on that nothing or a single
+    /// facet fills, wholly lit or wholly in shadow. Bit l of what it gives: stratum l is none of
+    /// them.
     #[inline(always)]
-    pub(super) fn meet<V: Vector>(
+    fn uniform(
         &self,
-        probe: &Probe,
         first: usize,
         n: usize,
-        horizon: V,
-    ) -> Option<Met<V>> {
-        let rows = [self.t[first] - self.half[1], self.t[first + n - 1] + self.half[1]];
-        if probe.rows[1] < rows[0] || probe.rows[0] > rows[1] {
-            return None;
+        facets: &[Entry],
+        records: &[Record],
+        shades: &[Shade],
+        pieces: &mut Vec<Piece>,
+    ) -> u32 {
+        let (mut met, mut shared) = (0, 0);
+        for record in records {
+            shared |= met & record.strata;
+            met |= record.strata;
         }
-        let (s, t) = (V::load(&self.s[first..]), V::load(&self.t[first..]));
-        let spans = &probe.spans;
-        let edges = [spans.high(0, s, t), spans.high(1, s, t), spans.high(2, s, t)];
-        let w_high = spans.high(3, s, t);
-        let w_hi = w_high.min(V::splat(probe.w_hi));
-        let least = edges[0].min(edges[1]).min(edges[2]);
-        let touches = V::mask_and(least.ge(V::splat(0.0)), w_hi.ge(horizon));
-        let real = V::mask_bits(V::mask_all()) >> (V::LANES - n);
-        let strata = V::mask_bits(touches) & real;
-        (strata != 0).then_some(Met { edges, w_high, w_hi, touches, strata })
+        let real = u32::MAX >> (u32::BITS as usize - n);
+        self.runs(first, real & !met, Fill::NOTHING, pieces);
+        let mut mixed = met;
+        for record in records {
+            let [a, b, c] = record.inside;
+            let alone = record.strata & !shared & a & b & c;
+            if alone == 0 {
+                continue;
+            }
+            let entry = facets[record.entry as usize];
+            let facet = Some(entry.facet);
+            let shadowed = alone & if entry.shadowed { u32::MAX } else { record.shadowed };
+            let [start, end] = record.shades.map(|at| at as usize);
+            let partly = shades[start..end].iter().fold(0, |strata, shade| strata | shade.strata);
+            let lit = alone & !shadowed & !partly;
+            self.runs(first, lit, Fill::Uniform { facet, lit: true }, pieces);
+            self.runs(first, shadowed, Fill::Uniform { facet, lit: false }, pieces);
+            mixed &= !(lit | shadowed);
+        }
+        mixed
     }
 
-    /// Appends the facets that may be seen in some of the `n` strata `first + lane ..`.
+    /// Appends the strata of `first ..` whose bits are set, a piece for each run within a row.
     #[inline(always)]
-    fn candidates<V: Vector>(
-        &self,
-        first: usize,
-        lane: usize,
-        n: usize,
-        probes: &[Probe],
-        records: &mut Vec<Record>,
-    ) {
-        let first = first + lane;
-        let zero = V::splat(0.0);
-        let all = V::mask_bits(V::mask_all());
-        let real = all >> (V::LANES - n);
-        let from = records.len();
-        // 1/t behind which each stratum is covered.
-        let mut horizon = zero;
-        for probe in probes {
-            if V::mask_bits(horizon.gt(V::splat(probe.w_hi))) == all {
-                break;
-            }
-            let Some(met) = self.meet(probe, first, n, horizon) else { continue };
-            let (spans, edges) = (&probe.spans, met.edges);
-            let edges = [spans.low(0, edges[0]), spans.low(1, edges[1]), spans.low(2, edges[2])];
-            let least = edges[0].min(edges[1]).min(edges[2]);
-            let covers = V::mask_and(met.touches, least.gt(zero));
-            let w_lo = spans.low(3, met.w_high);
-            let nearer = V::mask_and(covers, w_lo.gt(horizon));
-            horizon = V::select(nearer, w_lo, horizon);
-            let covers = (V::mask_bits(covers) & real) << lane;
-            let strata = met.strata << lane;
-            records.push(Record {
-                entry: probe.entry,
-                strata,
-                covers,
-                w_hi: met.w_hi.store(),
-                ..Record::default()
-            });
+    fn runs(&self, first: usize, mut strata: u32, fill: Fill, pieces: &mut Vec<Piece>) {
+        while strata != 0 {
+            let l = strata.trailing_zeros();
+            let [i, j] = self.stratum(first + l as usize);
+            let len = (strata >> l).trailing_ones().min(self.rect.i[1] - i);
+            pieces.push(Piece { i: [i, i + len], j: [j, j + 1], fill });
+            strata &= !((u32::MAX >> (u32::BITS - len)) << l);
         }
-        // What a facet that came later hides.
-        for record in &mut records[from..] {
-            record.strata &= V::mask_bits(V::load(&record.w_hi).ge(horizon)) << lane;
+    }
+
+    /// `n` strata from `first` on.
+    #[inline(always)]
+    pub(super) fn strip<V: Vector>(&self, first: usize, n: usize, middles: &Middles) -> Strip<V> {
+        let [s, t] = middles.load(first);
+        let [_, rows] = &middles.0;
+        Strip {
+            s,
+            t,
+            rows: [rows[first] - self.half[1], rows[first + n - 1] + self.half[1]],
+            real: V::mask_bits(V::mask_all()) >> (V::LANES - n),
         }
     }
 
     /// Says of a facet's record in which strata an occluder shadows it, and appends those that
-    /// may do so in a part of some.
+    /// may do so in a part of some. The strips are those of the record.
     #[inline(always)]
     pub(super) fn shadows<V: Vector>(
         &self,
         pixel: &Pixel32,
-        first: usize,
-        lane: usize,
+        strips: &[Strip<V>],
         ids: &[u32],
         record: &mut Record,
         shades: &mut Vec<Shade>,
     ) {
-        let first = first + lane;
-        let (s, t) = (V::load(&self.s[first..]), V::load(&self.t[first..]));
         let zero = V::splat(0.0);
         record.shades = [shades.len() as u32; 2];
         for &occluder in ids {
             let lanes = &pixel.occluders[occluder as usize];
             let spans = Spans::new(lanes, self.half, [CULL_SLACK; 4]);
-            let [a, b] = [spans.high(0, s, t), spans.high(1, s, t)];
-            let [c, d] = [spans.high(2, s, t), spans.high(3, s, t)];
-            let touches = V::mask_bits(a.min(b).min(c.min(d)).ge(zero)) << lane;
-            if touches & record.strata == 0 {
-                continue;
+            let (mut touches, mut blocks) = (0, 0);
+            for (at, strip) in strips.iter().enumerate() {
+                let Strip { s, t, .. } = *strip;
+                let [a, b] = [spans.high(0, s, t), spans.high(1, s, t)];
+                let [c, d] = [spans.high(2, s, t), spans.high(3, s, t)];
+                let lane = at * V::LANES;
+                touches |= V::mask_bits(a.min(b).min(c.min(d)).ge(zero)) << lane;
+                let [a, b] = [spans.low(0, a), spans.low(1, b)];
+                let [c, d] = [spans.low(2, c), spans.low(3, d)];
+                blocks |= V::mask_bits(a.min(b).min(c.min(d)).gt(zero)) << lane;
             }
-            let [a, b] = [spans.low(0, a), spans.low(1, b)];
-            let [c, d] = [spans.low(2, c), spans.low(3, d)];
-            let blocks = V::mask_bits(a.min(b).min(c.min(d)).gt(zero)) << lane;
             record.shadowed |= blocks;
             let strata = touches & record.strata & !blocks;
             if strata != 0 {
@@ -336,5 +357,74 @@ impl Tile {
             }
         }
         record.shades[1] = shades.len() as u32;
+    }
+}
+
+impl<V: Vector> Strip<V> {
+    /// Which strata a facet may be seen in, before `horizon`; none: in none.
+    #[inline(always)]
+    pub(super) fn meet(&self, probe: &Probe, horizon: V) -> Option<Met<V>> {
+        let Self { s, t, rows, real } = *self;
+        if probe.rows[1] < rows[0] || probe.rows[0] > rows[1] {
+            return None;
+        }
+        let spans = &probe.spans;
+        let edges = [spans.high(0, s, t), spans.high(1, s, t), spans.high(2, s, t)];
+        let w_high = spans.high(3, s, t);
+        let w_hi = w_high.min(V::splat(probe.w_hi));
+        let least = edges[0].min(edges[1]).min(edges[2]);
+        let touches = V::mask_and(least.ge(V::splat(0.0)), w_hi.ge(horizon));
+        let strata = V::mask_bits(touches) & real;
+        (strata != 0).then_some(Met { edges, w_high, w_hi, touches, strata })
+    }
+}
+
+/// Appends the facets that may be seen in some strata of the strips, which follow one another.
+#[inline(always)]
+fn candidates<V: Vector>(strips: &[Strip<V>], probes: &[Probe], records: &mut Vec<Record>) {
+    let zero = V::splat(0.0);
+    let all = V::mask_bits(V::mask_all());
+    // 1/t behind which each stratum is covered.
+    let mut horizons = [zero; MAX_LANES / LEAST_LANES];
+    for probe in probes {
+        let mut record = Record { entry: probe.entry, ..Record::default() };
+        let mut is_open = false;
+        for (at, (strip, horizon)) in strips.iter().zip(&mut horizons).enumerate() {
+            if V::mask_bits(horizon.gt(V::splat(probe.w_hi))) == all {
+                continue;
+            }
+            is_open = true;
+            let Some(met) = strip.meet(probe, *horizon) else { continue };
+            let (spans, edges) = (&probe.spans, met.edges);
+            let a = spans.low(0, edges[0]).gt(zero);
+            let b = spans.low(1, edges[1]).gt(zero);
+            let c = spans.low(2, edges[2]).gt(zero);
+            let covers = V::mask_and(met.touches, V::mask_and(V::mask_and(a, b), c));
+            let w_lo = spans.low(3, met.w_high);
+            let nearer = V::mask_and(covers, w_lo.gt(*horizon));
+            *horizon = V::select(nearer, w_lo, *horizon);
+            let lane = at * V::LANES;
+            record.strata |= met.strata << lane;
+            for (inside, edge) in record.inside.iter_mut().zip([a, b, c]) {
+                *inside |= V::mask_bits(edge) << lane;
+            }
+            let bounds = &met.w_hi.store()[..V::LANES];
+            record.w_hi[lane..lane + V::LANES].copy_from_slice(bounds);
+        }
+        if !is_open {
+            break;
+        }
+        if record.strata != 0 {
+            records.push(record);
+        }
+    }
+    // What a facet that came later hides.
+    for record in records {
+        let mut open = 0;
+        for (at, horizon) in horizons[..strips.len()].iter().enumerate() {
+            let bounds = V::load(&record.w_hi[at * V::LANES..]);
+            open |= V::mask_bits(bounds.ge(*horizon)) << (at * V::LANES);
+        }
+        record.strata &= open;
     }
 }

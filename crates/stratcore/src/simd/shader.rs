@@ -66,10 +66,10 @@ impl Shader for Point {
 
 #[inline(always)]
 fn quadratic<V: Vector>(q: &[f32; 6], s: V, t: V) -> V {
-    let [c, qs, qt, qss, qst, qtt] = q.map(V::splat);
-    let along_s = s.mul_add(qss, t.mul_add(qst, qs));
-    let along_t = t.mul_add(qtt, qt);
-    s.mul_add(along_s, t.mul_add(along_t, c))
+    let [c, qs, qt, qss, qst, qtt] = *q;
+    let along_s = s.mul_add(V::splat(qss), t.mul_add(V::splat(qst), V::splat(qs)));
+    let along_t = t.mul_add(V::splat(qtt), V::splat(qt));
+    s.mul_add(along_s, t.mul_add(along_t, V::splat(c)))
 }
 
 #[inline(always)]
@@ -80,7 +80,8 @@ pub(super) fn affine<V: Vector>(functions: &Lanes4, which: usize, s: V, t: V) ->
 /// c, s and t of one of the functions in every lane.
 #[inline(always)]
 pub(super) fn coefficients<V: Vector>(functions: &Lanes4, which: usize) -> [V; 3] {
-    [functions.c[which], functions.s[which], functions.t[which]].map(V::splat)
+    let Lanes4 { c, s, t } = functions;
+    [V::splat(c[which]), V::splat(s[which]), V::splat(t[which])]
 }
 
 #[inline(always)]

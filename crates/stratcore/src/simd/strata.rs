@@ -16,18 +16,34 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// Samples added in f32 before the sum moves to f64: few enough to lose nothing.
 const RUN: usize = 16;
 
+/// The trials of a call.
+pub(super) struct Drawn<'a, V: Vector> {
+    pub groups: &'a mut [Group<V>],
+    /// The last group's trials, if they are few.
+    pub spread: Option<Spread<V>>,
+    pub cancel: &'a AtomicBool,
+}
+
+/// A rectangle of strata that one facet fills.
+struct Filled<'a> {
+    pixel: &'a Pixel32,
+    strata: &'a Strata,
+    rect: &'a Piece,
+    facet: &'a Facet32,
+}
+
 /// Adds to each trial's sum the values of its samples in all strata: one sample per stratum.
 /// `next_pieces` is [`super::dissect::next_pieces`], compiled once for all shaders.
 #[inline(always)]
 pub(super) fn strata_sums<S: Shader, V: Vector>(
     pixel: &Pixel32,
     strata: &Strata,
-    groups: &mut [Group<V>],
+    drawn: Drawn<'_, V>,
     work: &mut Work,
     next_pieces: impl Fn(&mut Work) -> bool,
     exact: Exact<'_>,
-    cancel: &AtomicBool,
 ) {
+    let Drawn { groups, spread, cancel } = drawn;
     dissect::start(pixel, strata, CROWD, work);
     let mut samples = Vec::new();
     while next_pieces(work) && !cancel.load(Ordering::Relaxed) {
@@ -37,7 +53,8 @@ pub(super) fn strata_sums<S: Shader, V: Vector>(
         for piece in &work.pieces {
             match piece.fill {
                 Fill::Uniform { facet, lit } => {
-                    fill_rect::<S, V>(pixel, strata, piece, pixel.facet(facet), lit, groups);
+                    let filled = Filled { pixel, strata, rect: piece, facet: pixel.facet(facet) };
+                    fill_rect::<S, V>(&filled, lit, groups, spread.as_ref());
                 }
                 Fill::Mixed { first, end } => {
                     let list = &work.list[first as usize..end as usize];
@@ -53,13 +70,12 @@ pub(super) fn strata_sums<S: Shader, V: Vector>(
 /// One facet, or the background, fills the rectangle.
 #[inline(always)]
 fn fill_rect<S: Shader, V: Vector>(
-    pixel: &Pixel32,
-    strata: &Strata,
-    rect: &Piece,
-    facet: &Facet32,
+    filled: &Filled<'_>,
     lit: bool,
     groups: &mut [Group<V>],
+    spread: Option<&Spread<V>>,
 ) {
+    let Filled { rect, facet, .. } = *filled;
     if facet.is_flat || (S::SHADOWS && !lit) {
         let sum = f64::from(facet.flat_value(lit))
             * f64::from((rect.i[1] - rect.i[0]) * (rect.j[1] - rect.j[0]));
@@ -70,9 +86,12 @@ fn fill_rect<S: Shader, V: Vector>(
         }
         return;
     }
-    let groups = match groups.split_last_mut() {
-        Some((Group { spread: Some(spread), sum, n_trials, .. }, others)) => {
-            *sum = fill_spread::<S, V>(pixel, strata, rect, facet, spread, *n_trials, *sum);
+    let groups = match (spread, groups.split_last_mut()) {
+        (Some(spread), Some((Group { sum, n_trials, .. }, others))) => {
+            *sum = match n_trials {
+                1 => fill_spread::<S, V, 1>(filled, spread, *sum),
+                _ => fill_spread::<S, V, 2>(filled, spread, *sum),
+            };
             others
         }
         _ => groups,
@@ -80,22 +99,23 @@ fn fill_rect<S: Shader, V: Vector>(
     // Two at a time: they share what is read of the facet.
     let (pairs, single) = groups.as_chunks_mut::<2>();
     for pair in pairs {
-        fill_groups::<S, V, 2>(pixel, strata, rect, facet, pair);
+        fill_groups::<S, V, 2>(filled, pair);
     }
     if let [group] = single {
-        fill_groups::<S, V, 1>(pixel, strata, rect, facet, std::array::from_mut(group));
+        fill_groups::<S, V, 1>(filled, std::array::from_mut(group));
     }
 }
 
 #[inline(always)]
 fn fill_groups<S: Shader, V: Vector, const K: usize>(
-    pixel: &Pixel32,
-    strata: &Strata,
-    rect: &Piece,
-    facet: &Facet32,
+    filled: &Filled<'_>,
     groups: &mut [Group<V>; K],
 ) {
-    let mut sums = groups.each_ref().map(|group| group.sum);
+    let Filled { pixel, strata, rect, facet } = *filled;
+    let mut sums = [V::sum_zero(); K];
+    for (sum, group) in sums.iter_mut().zip(&*groups) {
+        *sum = group.sum;
+    }
     for j in rect.j[0]..rect.j[1] {
         for start in (rect.i[0]..rect.i[1]).step_by(RUN) {
             let mut runs = [V::splat(0.0); K];
@@ -116,40 +136,42 @@ fn fill_groups<S: Shader, V: Vector, const K: usize>(
     }
 }
 
-/// The same sums of the same values, several strata at once.
+/// The same sums of the same values for T trials, several strata at once.
 #[inline(always)]
-fn fill_spread<S: Shader, V: Vector>(
-    pixel: &Pixel32,
-    strata: &Strata,
-    rect: &Piece,
-    facet: &Facet32,
+fn fill_spread<S: Shader, V: Vector, const T: usize>(
+    filled: &Filled<'_>,
     spread: &Spread<V>,
-    n_trials: usize,
     mut sum: V::Sum,
 ) -> V::Sum {
+    let Filled { pixel, strata, rect, facet } = *filled;
+    let at_once = V::LANES / T;
     for start in (rect.i[0]..rect.i[1]).step_by(RUN) {
         let end = rect.i[1].min(start + RUN as u32);
         // Lower ends of the strata, lane by lane; beyond the last nobody reads.
         let mut origins = [V::splat(0.0); RUN];
-        for (i, origin) in (start..end).step_by(spread.n_strata).zip(&mut origins) {
-            let of_lane = |lane: u32| strata.origin((i + lane).min(end), rect.j[0])[0];
-            *origin = V::load(&spread.strata.map(of_lane));
+        for (i, origin) in (start..end).step_by(at_once).zip(&mut origins) {
+            let mut lanes = [0.0; MAX_LANES];
+            for (lane, stratum) in lanes.iter_mut().zip(spread.strata) {
+                *lane = strata.origin((i + stratum).min(end), rect.j[0])[0];
+            }
+            *origin = V::load(&lanes);
         }
         for j in rect.j[0]..rect.j[1] {
-            let mut run = [0.0; MAX_LANES];
-            for (i, origin) in (start..end).step_by(spread.n_strata).zip(origins) {
-                let origin = [origin, V::splat(strata.origin(i, j)[1])];
+            let mut run = [0.0; T];
+            for (i, origin) in (start..end).step_by(at_once).zip(&origins) {
+                let origin = [*origin, V::splat(strata.origin(i, j)[1])];
                 let place = spread.sample(strata.index(i, j), strata.step, origin);
                 let values = shade::<S, V>(pixel, facet, place).store();
-                let mut lane = 0;
-                for _ in 0..spread.n_strata.min((end - i) as usize) {
-                    for run in &mut run[..n_trials] {
-                        *run += values[lane];
-                        lane += 1;
+                let (values, _) = values.as_chunks::<T>();
+                for stratum in &values[..at_once.min((end - i) as usize)] {
+                    for (run, value) in run.iter_mut().zip(stratum) {
+                        *run += value;
                     }
                 }
             }
-            sum = V::sum_add(sum, V::load(&run));
+            let mut lanes = [0.0; MAX_LANES];
+            lanes[..T].copy_from_slice(&run);
+            sum = V::sum_add(sum, V::load(&lanes));
         }
     }
     sum
@@ -173,8 +195,9 @@ fn sample_stratum<S: Shader, V: Vector>(
     groups: &mut [Group<V>],
     exact: Exact<'_>,
 ) {
+    let (index, origin) = (strata.index(i, j), strata.origin(i, j));
     for group in groups {
-        let [s, t] = group.sample(strata.index(i, j), strata.step, strata.origin(i, j));
+        let [s, t] = group.sample(index, strata.step, origin);
         let value = visible::<S, V>(pixel, list, occluders, s, t, exact);
         group.sum = V::sum_add(group.sum, value);
     }

@@ -1,7 +1,7 @@
 //! What the kernels read and write, in f32 and in the order in which they want it.
 
 use super::dissect::Piece;
-use super::raster::{Probe, Tile};
+use super::raster::{Middles, Probe, Tile};
 use super::vector::{Extent, MAX_LANES};
 use std::ops::Range;
 
@@ -89,8 +89,8 @@ pub(crate) struct Entry {
     pub occluders: [u32; 2],
     /// Wholly in shadow here.
     pub shadowed: bool,
-    /// Known to be inside all of its edges everywhere in the rectangle.
-    pub(super) covers: bool,
+    /// Bit e: a part of the rectangle may lie outside of edge e.
+    pub(super) edges: u8,
     /// No nearer than this anywhere in the rectangle.
     pub(super) w_hi: f32,
 }
@@ -194,6 +194,8 @@ pub(crate) struct Work {
     pub(super) records: Vec<Record>,
     pub(super) shades: Vec<Shade>,
     pub(super) tile: Option<Tile>,
+    /// Of the strata of the tile.
+    pub(super) middles: Middles,
     /// Facets from which on a tile is crowded, and such a tile.
     pub(super) crowd: usize,
     pub(super) crowded: Option<Tile>,
@@ -209,14 +211,24 @@ pub(super) struct Record {
     pub entry: u32,
     /// Bit l: it may be seen in stratum l.
     pub strata: u32,
-    /// Bit l: it covers stratum l.
-    pub covers: u32,
+    /// By edge, bit l: stratum l lies inside.
+    pub inside: [u32; 3],
     /// Greatest 1/t in each stratum.
     pub w_hi: [f32; MAX_LANES],
     /// Bit l: it is wholly in shadow in stratum l.
     pub shadowed: u32,
     /// What may shadow a part of it, a run of [`Work::shades`].
     pub shades: [u32; 2],
+}
+
+impl Record {
+    /// Bit e: a part of stratum l may lie outside of edge e.
+    #[inline(always)]
+    pub fn edges(&self, l: usize) -> u8 {
+        let [a, b, c] = self.inside;
+        let bit = |strata: u32| !(strata >> l) & 1;
+        (bit(a) | bit(b) << 1 | bit(c) << 2) as u8
+    }
 }
 
 /// An occluder, and the strata of a vector in which it may shadow a part of a facet.

@@ -13,13 +13,14 @@ pub(super) const DOUBT: f32 = 4e-7;
 /// A facet that may be seen where the samples are.
 pub(super) struct Candidate<'a> {
     pub facet: &'a Facet32,
-    /// No nearer than this there.
-    pub w_hi: f32,
     /// Wholly in shadow there.
     pub shadowed: bool,
-    /// Inside all of its edges there.
-    pub covers: bool,
+    /// Bit e: the samples may lie outside of edge e.
+    pub edges: u8,
 }
+
+/// All three edges of a facet.
+pub(super) const EDGES: u8 = 0b111;
 
 /// A vector of samples, and the nearest facets that they have met.
 #[derive(Clone, Copy)]
@@ -30,8 +31,8 @@ pub(super) struct Sample<V: Vector> {
     /// 1/t, 0 for the background, and its rounding.
     pub nearest: V,
     nearest_slack: V,
-    /// Bit l: lane l is to be settled in f64.
-    doubt: u32,
+    /// To be settled in f64.
+    doubt: V::Mask,
 }
 
 impl<V: Vector> Sample<V> {
@@ -40,71 +41,69 @@ impl<V: Vector> Sample<V> {
     pub fn new(pixel: &Pixel32, [s, t]: [V; 2]) -> Self {
         let zero = V::splat(0.0);
         let value = V::splat(pixel.ground.background.shade[0]);
-        Self { s, t, value, nearest: zero, nearest_slack: zero, doubt: 0 }
+        Self { s, t, value, nearest: zero, nearest_slack: zero, doubt: V::mask_none() }
     }
 
-    /// Meets the next facet, of which `occluders` may shadow a part, and tells whether some lane
-    /// sees it. What a lane does depends on its own sample alone.
+    /// Meets the next facet, of which `occluders` may shadow a part, and gives the lanes that
+    /// see it. What a lane does depends on its own sample alone. With `OFTEN_HIDDEN` a facet that
+    /// no lane sees is not shaded.
     #[inline(always)]
-    pub fn meet<S: Shader>(
+    pub fn meet<S: Shader, const OFTEN_HIDDEN: bool>(
         &mut self,
         pixel: &Pixel32,
         candidate: &Candidate<'_>,
         occluders: impl Iterator<Item = u32>,
-    ) -> bool {
+    ) -> V::Mask {
         let Self { s, t, .. } = *self;
         let facet = candidate.facet;
         let (zero, limit) = (V::splat(0.0), V::splat(DOUBT));
-        let margin = match candidate.covers {
-            true => V::splat(f32::INFINITY),
-            false => least_of_three(&facet.lanes, s, t),
-        };
-        let near = margin.ge(V::splat(-DOUBT));
-        if V::mask_bits(near) == 0 {
-            return false;
-        }
-        // What is hidden raises no doubt, whoever shares its vector.
-        let open = V::splat(candidate.w_hi).gt(self.horizon());
-        let near = V::mask_and(near, open);
-        let mut doubt = V::mask_and(near, margin.le(limit));
-        let inside = V::mask_and(near, margin.ge(zero));
         let w = affine(&facet.lanes, 3, s, t);
         let gap = w.sub(self.nearest);
         let slack = V::splat(facet.w_slack);
-        let wins = V::mask_and(inside, gap.gt(zero));
-        let tied = V::mask_and(inside, gap.abs().le(slack.add(self.nearest_slack)));
-        doubt = V::mask_or(doubt, tied);
-        // Hidden by what came before it, as most are: no shading.
-        let sees = V::mask_bits(wins);
-        if sees != 0 {
-            let mut lit = V::mask_all();
-            if S::SHADOWS {
-                if candidate.shadowed {
-                    lit = V::mask_none();
-                }
-                for id in occluders {
-                    let occluder = &pixel.occluders[id as usize];
-                    let margin = least_of_three(occluder, s, t).min(affine(occluder, 3, s, t));
-                    lit = V::mask_without(lit, margin.ge(zero));
-                    let edge = V::mask_and(wins, margin.abs().le(limit));
-                    doubt = V::mask_or(doubt, edge);
-                }
+        let both = slack.add(self.nearest_slack);
+        let mut margin = V::splat(f32::INFINITY);
+        for which in 0..3 {
+            if candidate.edges >> which & 1 != 0 {
+                margin = affine(&facet.lanes, which, s, t).min(margin);
             }
-            let shade = S::shade(&pixel.ground, facet, s, t, w, lit);
-            self.value = V::select(wins, shade, self.value);
-            self.nearest = V::select(wins, w, self.nearest);
-            self.nearest_slack = V::select(wins, slack, self.nearest_slack);
         }
-        self.doubt |= V::mask_bits(doubt);
-        sees != 0
+        // What is hidden raises no doubt.
+        let front = V::mask_and(gap.add(both).ge(zero), margin.ge(V::splat(-DOUBT)));
+        let mut unsure = V::mask_and(front, V::mask_or(gap.le(both), margin.le(limit)));
+        let wins = V::mask_and(gap.gt(zero), margin.ge(zero));
+        if OFTEN_HIDDEN && V::mask_bits(wins) == 0 {
+            self.doubt = V::mask_or(self.doubt, unsure);
+            return wins;
+        }
+        let mut lit = V::mask_all();
+        if S::SHADOWS {
+            if candidate.shadowed {
+                lit = V::mask_none();
+            }
+            for id in occluders {
+                let occluder = &pixel.occluders[id as usize];
+                let margin = least_of_three(occluder, s, t).min(affine(occluder, 3, s, t));
+                lit = V::mask_without(lit, margin.ge(zero));
+                let edge = V::mask_and(wins, margin.abs().le(limit));
+                unsure = V::mask_or(unsure, edge);
+            }
+        }
+        let shade = S::shade(&pixel.ground, facet, s, t, w, lit);
+        self.value = V::select(wins, shade, self.value);
+        self.nearest = V::select(wins, w, self.nearest);
+        self.nearest_slack = V::select(wins, slack, self.nearest_slack);
+        self.doubt = V::mask_or(self.doubt, unsure);
+        wins
     }
 
     /// Whether some lane may see a facet with these edges, no nearer than `w_hi`. Where none
     /// does, [`Self::meet`] does nothing.
     #[inline(always)]
     pub fn may_see(&self, edges: &[[V; 3]; 3], w_hi: V) -> bool {
-        let [a, b, c] = edges.map(|edge| at(edge, self.s, self.t));
-        let near = a.min(b).min(c).ge(V::splat(-DOUBT));
+        let Self { s, t, .. } = *self;
+        let [a, b, c] = *edges;
+        let margin = at(a, s, t).min(at(b, s, t)).min(at(c, s, t));
+        let near = margin.ge(V::splat(-DOUBT));
         V::mask_bits(V::mask_and(near, w_hi.gt(self.horizon()))) != 0
     }
 
@@ -117,11 +116,12 @@ impl<V: Vector> Sample<V> {
     /// The values, doubtful ones by f64; the list is complete where the samples are.
     #[inline(always)]
     pub fn settled(&self, list: &[Entry], exact: Exact<'_>) -> V {
-        if self.doubt == 0 {
+        let doubt = V::mask_bits(self.doubt);
+        if doubt == 0 {
             return self.value;
         }
         let mut values = self.value.store();
-        settle(self.doubt, list, &mut values, &self.s.store(), &self.t.store(), exact);
+        settle(doubt, list, &mut values, &self.s.store(), &self.t.store(), exact);
         V::load(&values)
     }
 }
@@ -136,17 +136,20 @@ pub(super) fn visible<S: Shader, V: Vector>(
     t: V,
     exact: Exact<'_>,
 ) -> V {
+    /// Facets that are met whatever stands before them: telling whether they are hidden takes
+    /// as long.
+    const FEW: usize = 2;
     let mut sample = Sample::new(pixel, [s, t]);
-    for entry in list {
+    for (at, entry) in list.iter().enumerate() {
         // No later entry is nearer.
-        if V::mask_bits(V::splat(entry.w_hi).gt(sample.horizon())) == 0 {
+        if at >= FEW && V::mask_bits(V::splat(entry.w_hi).gt(sample.horizon())) == 0 {
             break;
         }
         let facet = &pixel.facets[entry.facet as usize];
-        let Entry { w_hi, shadowed, covers, .. } = *entry;
-        let candidate = Candidate { facet, w_hi, shadowed, covers };
+        let Entry { shadowed, edges, .. } = *entry;
+        let candidate = Candidate { facet, shadowed, edges };
         let ids = &occluders[entry.occluders[0] as usize..entry.occluders[1] as usize];
-        sample.meet::<S>(pixel, &candidate, ids.iter().copied());
+        sample.meet::<S, false>(pixel, &candidate, ids.iter().copied());
     }
     sample.settled(list, exact)
 }

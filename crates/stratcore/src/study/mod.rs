@@ -249,13 +249,19 @@ fn row_means(
     let trials_per_task =
         if control.clock.is_some() { n_trials } else { (TASK / n).max(1) as usize };
     let start = control.clock.map(|clock| clock());
-    means.par_chunks_mut(trials_per_task).enumerate().for_each(|(task, chunk)| {
+    let run = |(task, chunk): (usize, &mut [f64])| {
         if !control.cancel.load(Ordering::Relaxed) {
             let first_trial = first_trial + (task * trials_per_task) as u32;
             trial_means(integrand, choice.sampler, set, first_trial, chunk, control.cancel);
             (control.progress)(chunk.len() as u64 * n);
         }
-    });
+    };
+    // A single task is not worth asking the other threads for.
+    if n_trials <= trials_per_task {
+        run((0, means));
+    } else {
+        means.par_chunks_mut(trials_per_task).enumerate().for_each(run);
+    }
     if control.cancel.load(Ordering::Relaxed) {
         return Err(StudyError::Cancelled);
     }
