@@ -15,13 +15,21 @@ pub(super) fn splitmix(key: u64, index: u64) -> u64 {
     mix(state(key, index))
 }
 
-/// Overwrites `numbers` with those from number `first` on.
-#[inline(always)]
-pub(super) fn splitmix_run(key: u64, first: u64, numbers: &mut [u64]) {
-    let mut state = state(key, first);
-    for number in numbers {
-        *number = mix(state);
-        state = state.wrapping_add(GAMMA);
+/// The generator's numbers from some number on, one after the other.
+pub(super) struct SplitMix(u64);
+
+impl SplitMix {
+    /// From number `first` on.
+    #[inline(always)]
+    pub(super) fn new(key: u64, first: u64) -> Self {
+        Self(state(key, first))
+    }
+
+    #[inline(always)]
+    pub(super) fn draw(&mut self) -> u64 {
+        let number = mix(self.0);
+        self.0 = self.0.wrapping_add(GAMMA);
+        number
     }
 }
 
@@ -73,9 +81,9 @@ mod tests {
             for index in 0..100 {
                 let next = sequential.next_u64();
                 assert_eq!(splitmix(seed, index), next);
-                let mut run = [0; 3];
-                splitmix_run(seed, index.wrapping_sub(1), &mut run);
-                assert_eq!(run[1], next);
+                let mut run = SplitMix::new(seed, index.wrapping_sub(1));
+                run.draw();
+                assert_eq!(run.draw(), next);
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Owen scrambling of base-2 digits: true, and by a hash.
 
 use super::Scramble;
-use super::hash::{splitmix, splitmix_run, unit};
+use super::hash::{SplitMix, splitmix, unit};
 use crate::simd::BLOCK;
 
 /// Levels of the digit tree that one hash decides: 63 nodes, one bit each.
@@ -92,7 +92,12 @@ impl OwnBits {
     fn list(self, indices: Indices<'_>) -> [u64; BLOCK] {
         let mut bits = [0; BLOCK];
         match indices {
-            Indices::From(first) => splitmix_run(self.key, first, &mut bits),
+            Indices::From(first) => {
+                let mut own = SplitMix::new(self.key, first);
+                for bits in &mut bits {
+                    *bits = own.draw();
+                }
+            }
             Indices::Listed(indices) => {
                 for (bits, index) in bits.iter_mut().zip(indices) {
                     *bits = splitmix(self.key, *index);

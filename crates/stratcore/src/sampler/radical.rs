@@ -1,6 +1,6 @@
 //! Radical inverses in any prime base, with their digits scrambled.
 
-use super::hash::{splitmix, splitmix_run, unit, whole};
+use super::hash::{SplitMix, splitmix, unit, whole};
 use super::target::Target;
 use super::{BELOW_ONE, Scramble};
 use crate::simd::{self, BLOCK, Divisor, Isa, Loop};
@@ -70,32 +70,33 @@ impl RadicalInverse {
 
     /// Writes coordinate `axis` of the target's points with those of indices `first ..`.
     pub(super) fn fill(&self, isa: Isa, first: u64, target: &mut Target<'_>, axis: usize) {
+        let n = target.len();
+        let (tail, scale) = (&self.tail, self.scale);
+        if self.rest == 0 {
+            let cells = &self.table[first as usize..][..n];
+            simd::run(isa, FractionLoop { cells, tail, scale, target, axis, at: 0 });
+            return;
+        }
         let mut mirrored = [0; BLOCK];
-        let (mut at, n) = (0, target.len());
+        let mut at = 0;
         while at < n {
             let first = first + at as u64;
             // As far as the table goes without beginning anew.
             let low = first % self.period;
             let len = (BLOCK as u64).min(self.period - low).min((n - at) as u64) as usize;
-            self.mirror(first / self.period, low, &mut mirrored[..len]);
-            let (tail, scale) = (&self.tail, self.scale);
-            simd::run(isa, FractionLoop { cells: &mirrored[..len], tail, scale, target, axis, at });
+            let cells = &mut mirrored[..len];
+            self.mirror(first / self.period, low, cells);
+            simd::run(isa, FractionLoop { cells, tail, scale, target, axis, at });
             at += len;
         }
     }
 
     /// Mirrored and scrambled indices high·period + low ..
     fn mirror(&self, high: u64, low: u64, mirrored: &mut [u64]) {
-        let table = &self.table[low as usize..];
-        if self.rest == 0 {
-            for (mirrored, tabled) in mirrored.iter_mut().zip(table) {
-                *mirrored = u64::from(*tabled);
-            }
-            return;
-        }
         let digits = self.rest_digits(high);
         let own = self.digits.nested;
         let common = if own { 0 } else { self.mirror_rest(&digits, 0) };
+        let table = &self.table[low as usize..];
         for ((low, mirrored), tabled) in (low..).zip(mirrored).zip(table) {
             let rest = if own { self.mirror_rest(&digits, low) } else { common };
             *mirrored = u64::from(*tabled) * self.rest_scale + rest;
@@ -129,10 +130,10 @@ impl RadicalInverse {
     }
 }
 
-/// Writes (cell + tail) / scale for each of a block of cells to a coordinate of the target's
-/// points from number `at` on.
-pub(super) struct FractionLoop<'a, 'b> {
-    pub(super) cells: &'a [u64],
+/// Writes (cell + tail) / scale for each cell to a coordinate of the target's points from number
+/// `at` on.
+pub(super) struct FractionLoop<'a, 'b, C> {
+    pub(super) cells: &'a [C],
     pub(super) tail: &'a Tail,
     pub(super) scale: Divisor,
     pub(super) target: &'a mut Target<'b>,
@@ -140,17 +141,19 @@ pub(super) struct FractionLoop<'a, 'b> {
     pub(super) at: usize,
 }
 
-impl Loop for FractionLoop<'_, '_> {
+impl<C: Copy + Into<u64>> Loop for FractionLoop<'_, '_, C> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let Self { cells, tail, scale, target, axis, at } = self;
         let mut made = [0.0; BLOCK];
-        let made = &mut made[..cells.len()];
-        tail.after(cells, made);
-        for x in made.iter_mut() {
-            *x = scale.divide::<FMA>(*x).min(BELOW_ONE);
+        for (at, cells) in (at..).step_by(BLOCK).zip(cells.chunks(BLOCK)) {
+            let made = &mut made[..cells.len()];
+            tail.after(cells, made);
+            for x in made.iter_mut() {
+                *x = scale.divide::<FMA>(*x).min(BELOW_ONE);
+            }
+            target.put(axis, at, made);
         }
-        target.put(axis, at, made);
     }
 }
 
@@ -173,8 +176,8 @@ struct TableLoop<'a> {
 impl Loop for TableLoop<'_> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        /// A vector's numbers, of 32 bits, at the most.
-        const LANES: usize = 16;
+        /// A vector's numbers of 32 bits.
+        const LANES: usize = 8;
         let Self { table, base, digits: levels, maps } = self;
         // Nothing overflows: all digits but the last tell 2^16 points apart at the most.
         let (mut factors, mut digits, mut before) = ([0; BLOCK], [0; BLOCK], [0; BLOCK]);
@@ -183,17 +186,19 @@ impl Loop for TableLoop<'_> {
             let level_key = maps.level_key(level);
             for block in (0..width.min(table.len())).step_by(BLOCK) {
                 let len = BLOCK.min(width - block).min(table.len() - block);
-                // To the end of a vector, as cheap as one.
-                let made = len.next_multiple_of(LANES);
+                // Of few to the end of a vector, which is as cheap: what is too much is
+                // written over by what comes next, or lies behind the table's end.
+                let made = if block == 0 { len.next_multiple_of(LANES) } else { len };
                 let (factors, digits) = (&mut factors[..made], &mut digits[..made]);
+                let before = &mut before[..made];
                 maps.list(level_key, base, block as u64, factors, digits);
-                for (before, entry) in before.iter_mut().zip(&table[block..block + len]) {
+                for (before, entry) in before.iter_mut().zip(&table[block..]) {
                     *before = entry.wrapping_mul(base);
                 }
                 let mut at = block;
                 for _ in 0..base {
                     let Some(entries) = table.get_mut(at..) else { break };
-                    let states = digits[..len].iter_mut().zip(factors.iter().zip(&before));
+                    let states = digits.iter_mut().zip(factors.iter().zip(before.iter()));
                     for (entry, (digit, (factor, before))) in entries.iter_mut().zip(states) {
                         *entry = before.wrapping_add(*digit);
                         let next = digit.wrapping_add(*factor);
@@ -241,11 +246,9 @@ impl DigitMaps {
             constants.fill(constant);
             return;
         }
-        let mut bits = [0; BLOCK];
-        let bits = &mut bits[..factors.len()];
-        splitmix_run(level_key, prefix, bits);
-        for (bits, (factor, constant)) in bits.iter().zip(factors.iter_mut().zip(constants)) {
-            (*factor, *constant) = affine_map(*bits, base);
+        let mut bits = SplitMix::new(level_key, prefix);
+        for (factor, constant) in factors.iter_mut().zip(constants) {
+            (*factor, *constant) = affine_map(bits.draw(), base);
         }
     }
 
@@ -289,14 +292,17 @@ impl Tail {
 
     /// Overwrites `sums` by cell + tail of each cell.
     #[inline(always)]
-    fn after(&self, cells: &[u64], sums: &mut [f64]) {
+    fn after<C: Copy + Into<u64>>(&self, cells: &[C], sums: &mut [f64]) {
         let points = sums.iter_mut().zip(cells);
         match self {
-            Self::Zero => points.for_each(|(sum, cell)| *sum = whole(*cell)),
-            Self::Common(tail) => points.for_each(|(sum, cell)| *sum = whole(*cell) + tail),
+            Self::Zero => points.for_each(|(sum, cell)| *sum = whole((*cell).into())),
+            Self::Common(tail) => {
+                points.for_each(|(sum, cell)| *sum = whole((*cell).into()) + tail);
+            }
             Self::Own(key) => {
-                for (sum, cell) in points {
-                    *sum = whole(*cell) + unit(splitmix(*key, *cell));
+                for (sum, &cell) in points {
+                    let cell = cell.into();
+                    *sum = whole(cell) + unit(splitmix(*key, cell));
                 }
             }
         }
