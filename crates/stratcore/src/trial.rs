@@ -3,10 +3,10 @@
 use crate::integrand::Integrand;
 use crate::rng::StreamKey;
 use crate::sampler::{PointSet, Sampler};
-use crate::variance::{CompensatedSum, neumaier_sum};
+use crate::variance::neumaier_sum;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Points evaluated at a time, where the integrand does not ask for more: small enough for the first-level cache in any practical d.
+/// Points evaluated at a time: small enough for the first-level cache in any practical d.
 const BLOCK: usize = 512;
 
 /// Overwrites `means` with the estimates of trials `first_trial ..`: each the mean of f over
@@ -24,45 +24,26 @@ pub fn trial_means(
         return;
     }
     let n = set.key.n_samples;
-    let at_once = integrand.batch();
-    let block = usize::try_from(n).unwrap_or(usize::MAX).min(BLOCK.max(at_once));
-    let n_together = (at_once / block).max(1);
-    let mut points = vec![0.0; n_together * block * set.dim];
-    let mut values = vec![0.0; n_together * block];
-    for (first, means) in (first_trial..).step_by(n_together).zip(means.chunks_mut(n_together)) {
-        let source = |trial| {
-            let key = StreamKey { trial, ..set.key };
-            sampler.points(&PointSet { key, ..*set })
-        };
-        let sources: Vec<_> = (first..).take(means.len()).map(source).collect();
-        let mut sums = vec![CompensatedSum::default(); means.len()];
-        let mut weights = sums.clone();
-        for from in (0..n).step_by(block).take_while(|_| !cancel.load(Ordering::Relaxed)) {
-            let len = block.min((n - from) as usize);
-            let points = &mut points[..means.len() * len * set.dim];
-            let values = &mut values[..means.len() * len];
-            for (source, points) in sources.iter().zip(points.chunks_exact_mut(len * set.dim)) {
-                source.fill(from, points);
-            }
-            if integrand.is_weighted() {
-                integrand.weigh_block(points, values);
-                add(&mut weights, values.chunks_exact(len));
-            }
-            integrand.eval_block(points, values);
-            add(&mut sums, values.chunks_exact(len));
-        }
-        for ((mean, sum), weight) in means.iter_mut().zip(sums).zip(weights) {
-            let of = if integrand.is_weighted() { weight.total() } else { n as f64 };
-            *mean = sum.total() / of;
-        }
-    }
-}
-
-/// Adds to each trial's sum those of its values, a block at a time.
-fn add<'a>(sums: &mut [CompensatedSum], values: impl Iterator<Item = &'a [f64]>) {
-    for (sum, values) in sums.iter_mut().zip(values) {
-        for block in values.chunks(BLOCK) {
-            sum.add(neumaier_sum(block.iter().copied()));
-        }
+    let block = BLOCK.min(usize::try_from(n).unwrap_or(BLOCK));
+    let mut points = vec![0.0; block * set.dim];
+    let mut values = vec![0.0; block];
+    for (trial, mean) in (first_trial..).zip(means) {
+        let key = StreamKey { trial, ..set.key };
+        let source = sampler.points(&PointSet { key, ..*set });
+        let mut weight_sums = Vec::new();
+        let sum = neumaier_sum(
+            (0..n).step_by(block).take_while(|_| !cancel.load(Ordering::Relaxed)).map(|first| {
+                let len = block.min((n - first) as usize);
+                source.fill(first, &mut points[..len * set.dim]);
+                if integrand.is_weighted() {
+                    integrand.weigh_block(&points[..len * set.dim], &mut values[..len]);
+                    weight_sums.push(neumaier_sum(values[..len].iter().copied()));
+                }
+                integrand.eval_block(&points[..len * set.dim], &mut values[..len]);
+                neumaier_sum(values[..len].iter().copied())
+            }),
+        );
+        let of = if integrand.is_weighted() { neumaier_sum(weight_sums) } else { n as f64 };
+        *mean = sum / of;
     }
 }

@@ -9,6 +9,7 @@ mod area;
 mod facet;
 mod gather;
 mod pixel;
+mod placed;
 mod shade;
 mod shadow;
 

@@ -3,13 +3,15 @@
 use crate::beam::affine::{Affine, CentredFrame, Quadratic};
 use crate::beam::facet::Facet;
 use crate::beam::gather::{Frustum, gather};
+use crate::beam::placed;
 use crate::beam::shade::{Lit, Shade, coefficients};
 use crate::beam::shadow::{Occluder, occluders};
 use crate::integrand::Integrand;
 use crate::sampler::{Placement, PointSet, Sampler, Scramble};
 use crate::scene::{Channel, Distribution, Light, PixelFrame, Scene};
 use crate::simd::{
-    self, Cells, Entry, Facet32, Ground, Isa, Lanes4, Pixel32, Shading, Strata, Trials, Work,
+    self, Cells, Entry, Facet32, Ground, Isa, Lanes4, Pixel32, Shading, Sorted, Strata, Trials,
+    Work,
 };
 use crate::trace::Accel;
 use std::cell::RefCell;
@@ -221,10 +223,17 @@ impl PixelBeam {
         self.ground
     }
 
+    /// Overwrites `values` with those at positions about the centre, less the ground.
+    fn values_at(&self, positions: [&[f32]; 2], values: &mut [f32], sorted: &mut Sorted) {
+        let settle = |list: &[Entry], s: f64, t: f64| self.settle(list, s, t);
+        let (isa, pixel) = (self.isa, &self.pixel32);
+        simd::values_at(isa, pixel, self.cells(), positions, values, sorted, &settle);
+    }
+
     fn cells(&self) -> &Cells {
         /// Facets that are tried one after the other at every sample: sorting samples into
         /// cells costs more.
-        const FEW: usize = 3;
+        const FEW: usize = 7;
         self.cells.get_or_init(|| {
             let per_axis = if self.facets.len() <= FEW { 1 } else { 16 };
             simd::cells(self.isa, &self.pixel32, per_axis)
@@ -250,17 +259,10 @@ impl Integrand for PixelBeam {
         let axis = |axis: usize| points.chunks_exact(2).map(move |p| (p[axis] - 0.5) as f32);
         let (s, t): (Vec<f32>, Vec<f32>) = (axis(0).collect(), axis(1).collect());
         let mut found = vec![0.0; values.len()];
-        let settle = |list: &[Entry], s: f64, t: f64| self.settle(list, s, t);
-        let positions = [&s[..], &t[..]];
-        simd::values_at(self.isa, &self.pixel32, self.cells(), positions, &mut found, &settle);
+        self.values_at([&s, &t], &mut found, &mut Sorted::default());
         for (value, found) in values.iter_mut().zip(found) {
             *value = self.ground + f64::from(found);
         }
-    }
-
-    /// Enough for a vector of samples in each cell.
-    fn batch(&self) -> usize {
-        1 << 13
     }
 
     fn trial_means(
@@ -273,21 +275,21 @@ impl Integrand for PixelBeam {
     ) -> bool {
         /// Strata per axis up to which f32 positions leave no mark on the variance.
         const MAX_STRATA: u64 = 4096;
-        if set.scramble != Scramble::None {
-            return false;
+        if self.facets.is_empty() {
+            means.fill(self.background);
+            return true;
         }
         let n = set.key.n_samples;
-        let placement = sampler.placement();
+        let placement = match set.scramble {
+            Scramble::None => sampler.placement(),
+            _ => Placement::Other,
+        };
         let strata = match (placement, sampler.strata(n, 2).as_deref()) {
             (Placement::Strata, Some(&[columns, rows])) if columns.max(rows) <= MAX_STRATA => {
                 Some(Strata::new([columns as u32, rows as u32]))
             }
             _ => None,
         };
-        if self.facets.is_empty() && placement != Placement::Other {
-            means.fill(self.background);
-            return true;
-        }
         let (isa, pixel) = (self.isa, &self.pixel32);
         let settle = |list: &[Entry], s: f64, t: f64| self.settle(list, s, t);
         let trials = Trials { key: &set.key, first: first_trial, cancel };
@@ -300,7 +302,13 @@ impl Integrand for PixelBeam {
             (Placement::Independent, _, Ok(n)) => {
                 simd::scattered_sums(isa, pixel, self.cells(), n, &trials, means, &settle);
             }
-            _ => return false,
+            _ => {
+                let mut sorted = Sorted::default();
+                let evaluate = |positions: [&[f32]; 2], values: &mut [f32]| {
+                    self.values_at(positions, values, &mut sorted);
+                };
+                placed::sums(isa, sampler, set, first_trial, means, cancel, evaluate);
+            }
         }
         for mean in means {
             *mean = self.ground + *mean / n as f64;

@@ -1,7 +1,9 @@
 use super::PixelBeam;
 use crate::integrand::Integrand;
 use crate::rng::StreamKey;
-use crate::sampler::{Jittered, PointSet, Random, Sampler, Scramble};
+use crate::sampler::{
+    Halton, Jittered, LatinHypercube, PointSet, Random, Sampler, Scramble, Sobol, whole_set,
+};
 use crate::scene::{self, Channel, Light, Material, Mesh, Scene};
 use crate::simd::Isa;
 use crate::study::{Control, StudyPlan, study};
@@ -200,7 +202,7 @@ fn a_shared_edge_leaks_no_sample() {
     }
 }
 
-/// Jittered and random trial means of a few pixels by every instruction set, bit for bit: of
+/// Trial means of a few pixels by every instruction set, bit for bit, with strata and without: of
 /// few triangles, and of so many that tiles are sampled as crowds.
 #[test]
 fn all_instruction_sets_give_the_same_bits() {
@@ -227,10 +229,17 @@ fn same_bits_by_every_isa(traced: &TracedScene, pixel: [u32; 2]) {
         let beam = beam.with_isa(isa);
         let mut all = Vec::new();
         let never = AtomicBool::new(false);
-        for (sampler, n) in [(&Jittered as &dyn Sampler, 49), (&Jittered, 30), (&Random, 50)] {
+        for (sampler, scramble, n) in [
+            (&Jittered as &dyn Sampler, Scramble::None, 49),
+            (&Jittered, Scramble::None, 30),
+            (&Random, Scramble::None, 50),
+            (&Random, Scramble::TorusShift, 50),
+            (&Halton, Scramble::Owen, 7),
+            (&Sobol, Scramble::OwenHash, 1500),
+        ] {
             let (sampler_id, seed) = (sampler.stream_id(), 5);
             let key = StreamKey { seed, pixel, sampler: sampler_id, n_samples: n, trial: 0 };
-            let set = PointSet { key, dim: 2, scramble: Scramble::None, rectangular: true };
+            let set = PointSet { key, dim: 2, scramble, rectangular: true };
             let mut means = vec![0.0; 21];
             assert!(beam.trial_means(sampler, &set, 3, &mut means, &never));
             all.extend(means);
@@ -241,6 +250,49 @@ fn same_bits_by_every_isa(traced: &TracedScene, pixel: [u32; 2]) {
     for isa in Isa::available() {
         let case = format!("{}, {pixel:?}: {}", traced.scene().name, isa.name());
         assert_eq!(means(isa), plain, "{case}");
+    }
+}
+
+/// Means of points without strata are those of the points one by one, in small sets and in such
+/// as are evaluated part by part; and a trial's mean is its own, whichever others come with it.
+#[test]
+fn scattered_trials_are_their_points() {
+    let traced = TracedScene::new(scene::load("classic").unwrap());
+    for pixel in [[128, 75], [100, 120], [60, 83], [10, 10]] {
+        let beam = PixelBeam::new(traced.scene(), traced.accel(), pixel, Channel::R).unwrap();
+        for (sampler, scramble, n) in [
+            (&Sobol as &dyn Sampler, Scramble::OwenHash, 1),
+            (&Sobol, Scramble::OwenHash, 256),
+            (&Sobol, Scramble::Owen, 4097),
+            (&Halton, Scramble::Owen, 100),
+            (&LatinHypercube, Scramble::None, 9001),
+            (&Jittered, Scramble::TorusShift, 49),
+        ] {
+            let (seed, stream) = (8, sampler.stream_id());
+            let key = StreamKey { seed, pixel, sampler: stream, n_samples: n, trial: 0 };
+            let set = PointSet { key, dim: 2, scramble, rectangular: true };
+            let never = AtomicBool::new(false);
+            let means = |first, count| {
+                let mut means = vec![f64::NAN; count];
+                assert!(beam.trial_means(sampler, &set, first, &mut means, &never));
+                means
+            };
+            let all = means(4, 50);
+            assert_eq!(all[7..9], means(11, 2), "{pixel:?}, {n}");
+            for (trial, mean) in (4..8).zip(all) {
+                let key = StreamKey { trial, ..key };
+                let points = whole_set(sampler, &PointSet { key, ..set }).unwrap();
+                let mut sum = 0.0;
+                for point in points.chunks(2) {
+                    let mut value = [0.0];
+                    beam.eval_block(point, &mut value);
+                    sum += value[0];
+                }
+                let expected = sum / n as f64;
+                let off = (mean - expected).abs();
+                assert!(off <= 1e-12 * expected.abs(), "{pixel:?}, {n}: {mean}, {expected}");
+            }
+        }
     }
 }
 
@@ -283,12 +335,19 @@ fn beam_and_rays_agree_trial_by_trial() {
 
 #[test]
 fn an_empty_picture_is_its_background() {
-    let traced = labelled(&[], [2, 2], 60.0);
+    let mut scene = scene::load("edges").unwrap();
+    scene.background = [0.3; 3];
+    let traced = relabel(scene, &[]);
     let beam = PixelBeam::new(traced.scene(), traced.accel(), [0, 0], Channel::R).unwrap();
     assert_eq!(beam.n_facets(), 0);
     let plan = StudyPlan::paper();
     let result = study(&beam, [0, 0], &plan, Control::unwatched()).unwrap();
     assert!(result.samplers.iter().all(|sampler| sampler.exact));
+    let key = StreamKey { seed: 1, pixel: [0, 0], sampler: 8, n_samples: 9, trial: 0 };
+    let set = PointSet { key, dim: 2, scramble: Scramble::Owen, rectangular: false };
+    let (mut means, never) = (vec![f64::NAN; 3], AtomicBool::new(false));
+    assert!(beam.trial_means(&Sobol, &set, 0, &mut means, &never));
+    assert_eq!(means, [0.3; 3]);
 }
 
 /// Rows that would take minutes end at once.
@@ -299,10 +358,14 @@ fn a_cancelled_row_ends() {
     let beam = PixelBeam::new(traced.scene(), traced.accel(), pixel, Channel::Luminance).unwrap();
     assert!(beam.n_facets() > 0);
     let mut means = vec![0.0; 1000];
-    for (sampler, n) in [(&Jittered as &dyn Sampler, 1 << 24), (&Random, u32::MAX.into())] {
+    for (sampler, scramble, n) in [
+        (&Jittered as &dyn Sampler, Scramble::None, 1 << 24),
+        (&Random, Scramble::None, u32::MAX.into()),
+        (&Sobol, Scramble::OwenHash, 1 << 32),
+    ] {
         let (id, seed) = (sampler.stream_id(), 1);
         let key = StreamKey { seed, pixel, sampler: id, n_samples: n, trial: 0 };
-        let set = PointSet { key, dim: 2, scramble: Scramble::None, rectangular: false };
+        let set = PointSet { key, dim: 2, scramble, rectangular: false };
         assert!(beam.trial_means(sampler, &set, 0, &mut means, &cancel));
     }
 }

@@ -60,12 +60,6 @@ pub trait Integrand: Sync {
         weights.fill(1.0);
     }
 
-    /// Points that it is best given together, of several trials where one has fewer; 0 where
-    /// it makes no difference.
-    fn batch(&self) -> usize {
-        0
-    }
-
     /// A faster way to the means of trials `first_trial ..`, where this integrand has one for
     /// this sampler: overwrites `means` and returns true. Otherwise the points are drawn and
     /// evaluated one by one ([`crate::trial`]). Once `cancel` is set, what is written means
@@ -140,9 +134,6 @@ impl<I: Integrand + ?Sized> Integrand for &I {
     }
     fn weigh_block(&self, points: &[f64], weights: &mut [f64]) {
         (**self).weigh_block(points, weights);
-    }
-    fn batch(&self) -> usize {
-        (**self).batch()
     }
     fn trial_means(
         &self,

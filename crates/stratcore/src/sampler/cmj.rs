@@ -3,9 +3,7 @@
 use super::hash::splitmix;
 use super::permutation::Permutation;
 use super::random::UniformPoints;
-use super::{
-    Admissible, BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble, strata_per_axis,
-};
+use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble, strata_per_axis};
 use crate::simd::Isa;
 
 /// One point in each of the m × n cells of a grid and, at the same time, in each of the mn
@@ -56,22 +54,21 @@ struct MultiJitteredPoints {
 
 impl Points for MultiJitteredPoints {
     fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
-        self.offsets.fill_with(isa, first, points);
-        let n = (self.columns * self.rows) as f64;
+        let n = self.columns * self.rows;
         let (mut column, mut row) = (first % self.columns, first / self.columns);
-        for point in points.chunks_exact_mut(self.offsets.dim) {
+        self.offsets.fill_in_slabs(isa, n, first, points, |_, slabs| {
             // Kensler 2013, section 2: the cell, then the slab within it.
-            let slabs = [
+            let both = [
                 column * self.rows + self.offset_of_row.get(row),
                 row * self.columns + self.offset_of_column.get(column),
             ];
-            for (x, slab) in point.iter_mut().zip(slabs) {
-                *x = ((slab as f64 + *x) / n).min(BELOW_ONE);
+            for (slab, one) in slabs.iter_mut().zip(both) {
+                *slab = one;
             }
             column += 1;
             if column == self.columns {
                 (column, row) = (0, row + 1);
             }
-        }
+        });
     }
 }

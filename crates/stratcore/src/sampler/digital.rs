@@ -1,7 +1,8 @@
 //! Digital sequences in base 2, a block of points at a time.
 
 use super::hash::{splitmix, unit};
-use super::owen::{DigitScramble, OwnBits, levels};
+use super::owen::{DigitScramble, Indices, OwnBits, levels};
+use super::target::Target;
 use super::{PointSet, Points, Scramble};
 use crate::simd::{self, BLOCK, Isa, Loop};
 use std::ops::BitXor;
@@ -65,10 +66,16 @@ fn linear_scramble(columns: &Columns, levels: u32, key: u64) -> [u64; 32] {
 /// Index bits that count within a block.
 const BLOCK_BITS: u32 = BLOCK.trailing_zeros();
 
-/// XORs of the columns that 0 .. BLOCK select.
+/// The XORs of `origin` and the columns that the indices of a block select; the block begins at a
+/// multiple of its length.
 #[inline(always)]
-fn low<T: Copy + Default + BitXor<Output = T>>(columns: &[T; 32]) -> [T; BLOCK] {
-    let mut values = [T::default(); BLOCK];
+fn xors<T: Copy + BitXor<Output = T>>(columns: &[T; 32], first: u64, origin: T) -> [T; BLOCK] {
+    let mut values = [origin; BLOCK];
+    let mut bits = first as u32;
+    while bits != 0 {
+        values[0] = values[0] ^ columns[bits.trailing_zeros() as usize];
+        bits &= bits - 1;
+    }
     for (bit, &column) in columns[..BLOCK_BITS as usize].iter().enumerate() {
         let (old, new) = values.split_at_mut(1 << bit);
         for (new, old) in new.iter_mut().zip(old) {
@@ -78,77 +85,64 @@ fn low<T: Copy + Default + BitXor<Output = T>>(columns: &[T; 32]) -> [T; BLOCK] 
     values
 }
 
-/// The XOR of `origin` and the columns that a block's first index selects.
-#[inline(always)]
-fn high<T: Copy + BitXor<Output = T>>(columns: &[T; 32], first: u64, origin: T) -> T {
-    let mut value = origin;
-    let mut bits = first as u32;
-    while bits != 0 {
-        value = value ^ columns[bits.trailing_zeros() as usize];
-        bits &= bits - 1;
+impl Axis {
+    /// Coordinates of the points of a block, which begins at a multiple of its length.
+    #[inline(always)]
+    fn block(&self, first: u64, own: OwnBits, coordinates: &mut [f64]) {
+        match self {
+            Self::Digits { columns, scramble } => {
+                let (digits, indices) = (xors(columns, first, 0), Indices::From(first));
+                scramble.coordinates(&digits, indices, own, coordinates);
+            }
+            Self::Linear { columns, shift } => {
+                for (x, bits) in coordinates.iter_mut().zip(xors(columns, first, *shift)) {
+                    *x = unit(bits);
+                }
+            }
+        }
     }
-    value
+}
+
+impl DigitalPoints {
+    fn write(&self, isa: Isa, first: u64, target: &mut Target<'_>) {
+        for (axis, scrambled) in self.axes.iter().enumerate() {
+            let own = OwnBits::new(splitmix(self.own, axis as u64 / 2), axis);
+            simd::run(isa, AxisLoop { scrambled, own, first, target, axis });
+        }
+    }
 }
 
 impl Points for DigitalPoints {
     fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
-        let dim = self.axes.len();
-        for (axis, scrambled) in self.axes.iter().enumerate() {
-            let own = OwnBits::new(splitmix(self.own, axis as u64 / 2), axis);
-            simd::run(isa, AxisLoop { scrambled, own, first, points, axis, dim });
-        }
+        self.write(isa, first, &mut Target::Rows { points, dim: self.axes.len() });
+    }
+    fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
+        self.write(isa, first, &mut Target::Centred(columns));
     }
 }
 
 /// One coordinate of points `first ..`.
-struct AxisLoop<'a> {
+struct AxisLoop<'a, 'b> {
     scrambled: &'a Axis,
     own: OwnBits,
     first: u64,
-    points: &'a mut [f64],
+    target: &'a mut Target<'b>,
     axis: usize,
-    dim: usize,
 }
 
-impl Loop for AxisLoop<'_> {
+impl Loop for AxisLoop<'_, '_> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        let Self { scrambled, own, first, points, axis, dim } = self;
-        // Blocks begin at multiples of their length.
+        let Self { scrambled, own, first, target, axis } = self;
         let mut skipped = (first % BLOCK as u64) as usize;
         let mut first = first - skipped as u64;
-        let mut rest = points;
-        let mut low64 = [0; BLOCK];
-        let mut low32 = [0; BLOCK];
-        match scrambled {
-            Axis::Digits { columns, .. } => low32 = low(columns),
-            Axis::Linear { columns, .. } => low64 = low(columns),
-        }
         let mut made = [0.0; BLOCK];
-        while !rest.is_empty() {
-            let run;
-            (run, rest) = rest.split_at_mut(((BLOCK - skipped) * dim).min(rest.len()));
-            let coordinates = &mut made[..skipped + run.len() / dim];
-            match scrambled {
-                Axis::Digits { columns, scramble } => {
-                    let high = high(columns, first, 0);
-                    let (mut digits, mut indices) = (low32, [0; BLOCK]);
-                    for (lane, (digits, index)) in (0..).zip(digits.iter_mut().zip(&mut indices)) {
-                        *digits ^= high;
-                        *index = first + lane;
-                    }
-                    scramble.coordinates(&digits, &indices, own, coordinates);
-                }
-                Axis::Linear { columns, shift } => {
-                    let high = high(columns, first, *shift);
-                    for (x, low) in coordinates.iter_mut().zip(&low64) {
-                        *x = unit(low ^ high);
-                    }
-                }
-            }
-            for (point, x) in run.chunks_exact_mut(dim).zip(&coordinates[skipped..]) {
-                point[axis] = *x;
-            }
+        let (mut at, len) = (0, target.len());
+        while at < len {
+            let end = BLOCK.min(skipped + len - at);
+            scrambled.block(first, own, &mut made[..end]);
+            target.put(axis, at, &made[skipped..end]);
+            at += end - skipped;
             first += BLOCK as u64;
             skipped = 0;
         }

@@ -3,6 +3,7 @@
 use super::hash::splitmix;
 use super::radical::{RadicalInverse, primes};
 use super::sobol::MOST_POINTS;
+use super::target::Target;
 use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
 use crate::simd::Isa;
 use std::sync::OnceLock;
@@ -56,10 +57,19 @@ struct HaltonPoints {
     axes: Vec<RadicalInverse>,
 }
 
+impl HaltonPoints {
+    fn write(&self, isa: Isa, first: u64, target: &mut Target<'_>) {
+        for (axis, coordinates) in self.axes.iter().enumerate() {
+            coordinates.fill(isa, first, target, axis);
+        }
+    }
+}
+
 impl Points for HaltonPoints {
     fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
-        for (axis, coordinates) in self.axes.iter().enumerate() {
-            coordinates.fill(isa, first, points, axis, self.axes.len());
-        }
+        self.write(isa, first, &mut Target::Rows { points, dim: self.axes.len() });
+    }
+    fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
+        self.write(isa, first, &mut Target::Centred(columns));
     }
 }

@@ -4,6 +4,7 @@ use super::halton::{BASES, SCRAMBLES, radical_inverses};
 use super::hash::splitmix;
 use super::radical::{FractionLoop, RadicalInverse, Tail};
 use super::sobol::MOST_POINTS;
+use super::target::Target;
 use super::{Admissible, Facts, Kind, PointSet, Points, Sampler};
 use crate::simd::{self, BLOCK, Divisor, Isa};
 
@@ -43,16 +44,26 @@ struct HammersleyPoints {
     others: Vec<RadicalInverse>,
 }
 
-impl Points for HammersleyPoints {
-    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
-        let dim = self.others.len() + 1;
-        for (first, run) in (first..).step_by(BLOCK).zip(points.chunks_mut(BLOCK * dim)) {
-            let cells: [u64; BLOCK] = std::array::from_fn(|i| first + i as u64);
-            let (tail, scale) = (&self.tail, self.n);
-            simd::run(isa, FractionLoop { cells: &cells, tail, scale, run, axis: 0, dim });
+impl HammersleyPoints {
+    fn write(&self, isa: Isa, first: u64, target: &mut Target<'_>) {
+        for at in (0..target.len()).step_by(BLOCK) {
+            let len = BLOCK.min(target.len() - at);
+            let from = first + at as u64;
+            let cells: [u64; BLOCK] = std::array::from_fn(|i| from + i as u64);
+            let (tail, scale, cells) = (&self.tail, self.n, &cells[..len]);
+            simd::run(isa, FractionLoop { cells, tail, scale, target, axis: 0, at });
         }
         for (other, coordinates) in self.others.iter().enumerate() {
-            coordinates.fill(isa, first, points, other + 1, dim);
+            coordinates.fill(isa, first, target, other + 1);
         }
+    }
+}
+
+impl Points for HammersleyPoints {
+    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
+        self.write(isa, first, &mut Target::Rows { points, dim: self.others.len() + 1 });
+    }
+    fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
+        self.write(isa, first, &mut Target::Centred(columns));
     }
 }

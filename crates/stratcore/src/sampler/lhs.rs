@@ -3,7 +3,7 @@
 use super::hash::splitmix;
 use super::permutation::Permutation;
 use super::random::UniformPoints;
-use super::{Admissible, BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble};
+use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
 use crate::rng::StreamKey;
 use crate::simd::Isa;
 
@@ -44,14 +44,11 @@ struct RooksPoints {
 
 impl Points for RooksPoints {
     fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
-        self.offsets.fill_with(isa, first, points);
-        let n = self.n as f64;
-        for (index, point) in (first..).zip(points.chunks_exact_mut(self.offsets.dim)) {
-            let (x, others) = point.split_at_mut(1);
-            x[0] = ((index as f64 + x[0]) / n).min(BELOW_ONE);
-            for (x, permutation) in others.iter_mut().zip(&self.others) {
-                *x = ((permutation.get(index) as f64 + *x) / n).min(BELOW_ONE);
+        self.offsets.fill_in_slabs(isa, self.n, first, points, |index, slabs| {
+            slabs[0] = index;
+            for (slab, permutation) in slabs[1..].iter_mut().zip(&self.others) {
+                *slab = permutation.get(index);
             }
-        }
+        });
     }
 }

@@ -31,6 +31,7 @@ mod rank1;
 mod rd;
 mod scramble;
 mod sobol;
+mod target;
 mod zero_two;
 mod zsobol;
 
@@ -59,8 +60,9 @@ pub use zsobol::ZSobol;
 
 use crate::error::StudyError;
 use crate::rng::StreamKey;
-use crate::simd::Isa;
+use crate::simd::{self, BLOCK, Isa, Loop};
 use scramble::Shifted;
+use target::centred;
 
 /// Every sampler there is, in the order in which they are listed.
 pub const SHELF: &[&dyn Sampler] = &[
@@ -240,6 +242,32 @@ pub trait Points {
     }
     /// The same by an instruction set of choice: it changes no bit.
     fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]);
+    /// The same points of a set in two dimensions as the beam takes them: each coordinate less
+    /// 1/2, rounded to f32, in an array of its own for each axis.
+    fn fill_centred(&self, isa: Isa, first: u64, [s, t]: [&mut [f32]; 2]) {
+        let mut rows = [[0.0; 2]; BLOCK];
+        let runs = s.chunks_mut(rows.len()).zip(t.chunks_mut(rows.len()));
+        for (first, (s, t)) in (first..).step_by(rows.len()).zip(runs) {
+            let rows = &mut rows[..s.len()];
+            self.fill_with(isa, first, rows.as_flattened_mut());
+            simd::run(isa, CentreLoop { rows, columns: [s, t] });
+        }
+    }
+}
+
+struct CentreLoop<'a> {
+    rows: &'a [[f64; 2]],
+    columns: [&'a mut [f32]; 2],
+}
+
+impl Loop for CentreLoop<'_> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let [s, t] = self.columns;
+        for (row, (s, t)) in self.rows.iter().zip(s.iter_mut().zip(t)) {
+            [*s, *t] = row.map(centred);
+        }
+    }
 }
 
 /// The count a sampler uses when asked for `n` points under a policy.
@@ -361,6 +389,48 @@ mod tests {
         let streams: HashSet<_> = SHELF.iter().map(|s| s.stream_id()).collect();
         assert_eq!(names.len(), SHELF.len());
         assert_eq!(streams.len(), SHELF.len());
+    }
+
+    /// What the beam is given are the points, whatever the way they are made in.
+    #[test]
+    fn centred_points_are_the_points() {
+        for sampler in SHELF {
+            let is_sought = ["annealed", "best-candidate", "poisson"].contains(&sampler.name());
+            for &scramble in sampler.scrambles() {
+                for asked in [1, 4, 13, 64, 200, 70_000] {
+                    let Ok(n) = count_used(*sampler, asked, 2, CountPolicy::Snap) else { continue };
+                    if is_sought && n > 64 {
+                        continue;
+                    }
+                    let (pixel, stream) = ([7, 5], sampler.stream_id());
+                    let key = StreamKey { seed: 3, pixel, sampler: stream, n_samples: n, trial: 2 };
+                    let set = PointSet { key, dim: 2, scramble, rectangular: false };
+                    let points = sampler.points(&set);
+                    for first in [0, 1, 63, 64, n - 1] {
+                        if first < n {
+                            let len = (n - first).min(300) as usize;
+                            same_when_centred(&*points, first, len, &format!("{set:?}"));
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    fn same_when_centred(points: &dyn Points, first: u64, len: usize, name: &str) {
+        let mut rows = vec![[f64::NAN; 2]; len];
+        points.fill_with(Isa::BASELINE, first, rows.as_flattened_mut());
+        for isa in Isa::available() {
+            let mut columns = [(); 2].map(|()| vec![f32::NAN; len]);
+            let [s, t] = &mut columns;
+            points.fill_centred(isa, first, [s, t]);
+            for (axis, column) in columns.iter().enumerate() {
+                for (at, x) in column.iter().enumerate() {
+                    let expected = (rows[at][axis] - 0.5) as f32;
+                    assert_eq!(x.to_bits(), expected.to_bits(), "{name}: {first} + {at}");
+                }
+            }
+        }
     }
 
     #[test]

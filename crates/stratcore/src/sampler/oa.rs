@@ -4,7 +4,7 @@ use super::hash::splitmix;
 use super::jittered::root_floor;
 use super::permutation::Permutation;
 use super::random::UniformPoints;
-use super::{Admissible, BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble};
+use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
 use crate::simd::Isa;
 
 /// N = p² points, p prime, in up to p + 1 dimensions: every pair of dimensions sees one point
@@ -69,11 +69,9 @@ struct ArrayPoints {
 
 impl Points for ArrayPoints {
     fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
-        self.offsets.fill_with(isa, first, points);
         let p = self.p;
-        let n = (p * p) as f64;
         let (mut row, mut column) = (first / p, first % p);
-        for point in points.chunks_exact_mut(self.offsets.dim) {
+        self.offsets.fill_in_slabs(isa, p * p, first, points, |_, slabs| {
             // Bose's array over the integers modulo p: any two of its columns take every pair
             // of values once.
             let symbol = |axis: u64| match axis {
@@ -81,7 +79,8 @@ impl Points for ArrayPoints {
                 1 => column,
                 _ => (row + (axis - 1) * column) % p,
             };
-            for (axis, (x, [strata, slabs])) in (0..).zip(point.iter_mut().zip(&self.permutations))
+            for (axis, (slab, [strata, within])) in
+                (0..).zip(slabs.iter_mut().zip(&self.permutations))
             {
                 // Another column numbers the p points of a stratum (Jarosz et al. 2019,
                 // section 4).
@@ -90,13 +89,12 @@ impl Points for ArrayPoints {
                     _ if axis < p => axis + 1,
                     _ => 0,
                 };
-                let slab = strata.get(symbol(axis)) * p + slabs.get(symbol(other));
-                *x = ((slab as f64 + *x) / n).min(BELOW_ONE);
+                *slab = strata.get(symbol(axis)) * p + within.get(symbol(other));
             }
             column += 1;
             if column == p {
                 (row, column) = (row + 1, 0);
             }
-        }
+        });
     }
 }

@@ -1,7 +1,7 @@
 //! Owen scrambling of base-2 digits: true, and by a hash.
 
 use super::Scramble;
-use super::hash::{splitmix, unit};
+use super::hash::{SplitMix, splitmix, unit};
 use crate::simd::BLOCK;
 
 /// Levels of the digit tree that one hash decides: 63 nodes, one bit each.
@@ -30,12 +30,12 @@ impl DigitScramble {
     }
 
     /// Overwrites `coordinates`, at most a block of them, with those of points of these digits,
-    /// the leading one lowest, and indices; `own` makes each point's own bits.
+    /// the leading one lowest; `own` makes each point's own bits from its index.
     #[inline(always)]
     pub(super) fn coordinates(
         &self,
         mirrored: &[u32; BLOCK],
-        indices: &[u64; BLOCK],
+        indices: Indices<'_>,
         own: OwnBits,
         coordinates: &mut [f64],
     ) {
@@ -53,8 +53,9 @@ impl DigitScramble {
                 }
                 let cells = &mut cells[..coordinates.len()];
                 scramble.scramble(cells);
-                for (x, (digits, index)) in coordinates.iter_mut().zip(cells.iter().zip(indices)) {
-                    *x = unit(scramble.fraction(*digits, own.of(*index)));
+                let bits = own.list(indices);
+                for (x, (digits, bits)) in coordinates.iter_mut().zip(cells.iter().zip(&bits)) {
+                    *x = unit(scramble.fraction(*digits, *bits));
                 }
             }
             Self::Hashed(seed) => {
@@ -64,6 +65,14 @@ impl DigitScramble {
             }
         }
     }
+}
+
+/// Which points of their sequence a block has.
+#[derive(Clone, Copy)]
+pub(super) enum Indices<'a> {
+    /// This one and those after it.
+    From(u64),
+    Listed(&'a [u64; BLOCK]),
 }
 
 /// Makes the bits that a point has of its own, 32 for each of two coordinates.
@@ -80,8 +89,25 @@ impl OwnBits {
     }
 
     #[inline(always)]
-    fn of(self, index: u64) -> u32 {
-        (splitmix(self.key, index) >> self.shift) as u32
+    fn list(self, indices: Indices<'_>) -> [u64; BLOCK] {
+        let mut bits = [0; BLOCK];
+        match indices {
+            Indices::From(first) => {
+                let mut own = SplitMix::new(self.key, first);
+                for bits in &mut bits {
+                    *bits = own.draw();
+                }
+            }
+            Indices::Listed(indices) => {
+                for (bits, index) in bits.iter_mut().zip(indices) {
+                    *bits = splitmix(self.key, *index);
+                }
+            }
+        }
+        for bits in &mut bits {
+            *bits = *bits >> self.shift & 0xffff_ffff;
+        }
+        bits
     }
 }
 
@@ -108,17 +134,23 @@ impl NestedUniform {
     #[inline(always)]
     pub(super) fn scramble(&self, cells: &mut [u64]) {
         let mut flipped = [0; BLOCK];
+        // The first tree is that of all points.
+        let mut nodes = [splitmix(self.keys[0], 0); BLOCK];
         let mut rest = self.levels;
-        for key in &self.keys {
-            let count = rest.min(STEP);
-            let after = rest - count;
-            for (flipped, &cell) in flipped.iter_mut().zip(cells.iter()) {
-                let nodes = splitmix(*key, cell >> rest);
-                // STEP digits, the missing ones zero: a node depends on those above it alone.
-                let local = (cell >> after) << (STEP - count) & ((1 << STEP) - 1);
-                *flipped |= flips(nodes, local) >> (STEP - count) << after;
+        for (step, key) in self.keys.iter().enumerate() {
+            if step > 0 {
+                for (nodes, &cell) in nodes.iter_mut().zip(cells.iter()) {
+                    *nodes = splitmix(*key, cell >> rest);
+                }
             }
-            rest = after;
+            let count = rest.min(STEP);
+            rest -= count;
+            let states = flipped.iter_mut().zip(nodes.iter().zip(cells.iter()));
+            for (flipped, (nodes, &cell)) in states {
+                // STEP digits, the missing ones zero: a node depends on those above it alone.
+                let local = (cell >> rest) << (STEP - count) & ((1 << STEP) - 1);
+                *flipped |= flips(*nodes, local) >> (STEP - count) << rest;
+            }
             if rest == 0 {
                 break;
             }
@@ -131,8 +163,8 @@ impl NestedUniform {
     /// The coordinate of scrambled digits, a fraction of 64 bits, with the point's own 32 bits
     /// after them.
     #[inline(always)]
-    fn fraction(&self, digits: u64, own: u32) -> u64 {
-        digits << (64 - self.levels) | u64::from(own) << 32 >> self.levels
+    fn fraction(&self, digits: u64, own: u64) -> u64 {
+        digits << (64 - self.levels) | own << 32 >> self.levels
     }
 }
 
@@ -209,7 +241,7 @@ mod tests {
         for levels in [1, 6, 21, 32] {
             let scramble = NestedUniform::new(99, levels);
             let digits = u64::MAX >> (64 - levels);
-            assert_eq!(scramble.fraction(digits, u32::MAX).count_ones(), levels + 32);
+            assert_eq!(scramble.fraction(digits, u32::MAX.into()).count_ones(), levels + 32);
             assert_eq!(scramble.fraction(digits, 0).leading_ones(), levels);
         }
     }

@@ -1,6 +1,7 @@
 //! Radical inverses in any prime base, with their digits scrambled.
 
-use super::hash::{splitmix, unit};
+use super::hash::{SplitMix, splitmix, unit, whole};
+use super::target::Target;
 use super::{BELOW_ONE, Scramble};
 use crate::simd::{self, BLOCK, Divisor, Isa, Loop};
 
@@ -67,29 +68,33 @@ impl RadicalInverse {
         }
     }
 
-    /// Overwrites coordinate `axis` of the row-major `points` with those of indices `first ..`.
-    pub(super) fn fill(&self, isa: Isa, first: u64, points: &mut [f64], axis: usize, dim: usize) {
-        let mut first = first;
-        let mut rest = points;
+    /// Writes coordinate `axis` of the target's points with those of indices `first ..`.
+    pub(super) fn fill(&self, isa: Isa, first: u64, target: &mut Target<'_>, axis: usize) {
+        let n = target.len();
+        let (tail, scale) = (&self.tail, self.scale);
+        if self.rest == 0 {
+            let cells = &self.table[first as usize..][..n];
+            simd::run(isa, FractionLoop { cells, tail, scale, target, axis, at: 0 });
+            return;
+        }
         let mut mirrored = [0; BLOCK];
-        while !rest.is_empty() {
+        let mut at = 0;
+        while at < n {
+            let first = first + at as u64;
             // As far as the table goes without beginning anew.
             let low = first % self.period;
-            let len = (BLOCK as u64).min(self.period - low) as usize;
-            let run;
-            (run, rest) = rest.split_at_mut((len * dim).min(rest.len()));
-            let len = run.len() / dim;
-            self.mirror(first / self.period, low, &mut mirrored[..len]);
-            let (tail, scale) = (&self.tail, self.scale);
-            simd::run(isa, FractionLoop { cells: &mirrored[..len], tail, scale, run, axis, dim });
-            first += len as u64;
+            let len = (BLOCK as u64).min(self.period - low).min((n - at) as u64) as usize;
+            let cells = &mut mirrored[..len];
+            self.mirror(first / self.period, low, cells);
+            simd::run(isa, FractionLoop { cells, tail, scale, target, axis, at });
+            at += len;
         }
     }
 
     /// Mirrored and scrambled indices high·period + low ..
     fn mirror(&self, high: u64, low: u64, mirrored: &mut [u64]) {
         let digits = self.rest_digits(high);
-        let own = self.digits.nested && self.rest > 0;
+        let own = self.digits.nested;
         let common = if own { 0 } else { self.mirror_rest(&digits, 0) };
         let table = &self.table[low as usize..];
         for ((low, mirrored), tabled) in (low..).zip(mirrored).zip(table) {
@@ -114,7 +119,8 @@ impl RadicalInverse {
         let (mut prefix, mut width) = (low, self.period);
         let mut mirrored = 0;
         for (level, &digit) in (self.tabled..).zip(&digits[..self.rest]) {
-            let (factor, start) = self.digits.map(self.digits.level_key(level), self.base, prefix);
+            let (factor, start) =
+                self.digits.map(self.digits.level_key(level), self.base as u32, prefix);
             let scrambled = (start + factor * digit) % self.base as u32;
             mirrored = mirrored * self.base + u64::from(scrambled);
             prefix += u64::from(digit) * width;
@@ -124,71 +130,84 @@ impl RadicalInverse {
     }
 }
 
-/// Writes (cell + tail) / scale for each cell to one coordinate of the points of a run.
-pub(super) struct FractionLoop<'a> {
-    pub(super) cells: &'a [u64],
+/// Writes (cell + tail) / scale for each cell to a coordinate of the target's points from number
+/// `at` on.
+pub(super) struct FractionLoop<'a, 'b, C> {
+    pub(super) cells: &'a [C],
     pub(super) tail: &'a Tail,
     pub(super) scale: Divisor,
-    pub(super) run: &'a mut [f64],
+    pub(super) target: &'a mut Target<'b>,
     pub(super) axis: usize,
-    pub(super) dim: usize,
+    pub(super) at: usize,
 }
 
-impl Loop for FractionLoop<'_> {
+impl<C: Copy + Into<u64>> Loop for FractionLoop<'_, '_, C> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        let Self { cells, tail, scale, run, axis, dim } = self;
-        for (point, &cell) in run.chunks_exact_mut(dim).zip(cells) {
-            let x = scale.divide::<FMA>(cell as f64 + tail.at(cell));
-            point[axis] = x.min(BELOW_ONE);
+        let Self { cells, tail, scale, target, axis, at } = self;
+        let mut made = [0.0; BLOCK];
+        for (at, cells) in (at..).step_by(BLOCK).zip(cells.chunks(BLOCK)) {
+            let made = &mut made[..cells.len()];
+            tail.after(cells, made);
+            for x in made.iter_mut() {
+                *x = scale.divide::<FMA>(*x).min(BELOW_ONE);
+            }
+            target.put(axis, at, made);
         }
     }
 }
 
-/// Mirrors and scrambles the first `digits` digits of 0 .. `len`, level by level.
+/// Mirrors and scrambles the first `digits` digits of 0 .. `len`.
 fn table(isa: Isa, base: u64, digits: u32, len: usize, maps: &DigitMaps) -> Vec<u32> {
     let mut table = vec![0u32; len];
-    let mut width = 1;
-    for level in 0..digits {
-        let level_key = maps.level_key(level);
-        simd::run(isa, LevelLoop { table: &mut table, width, base, level_key, maps });
-        width *= base as usize;
-    }
+    simd::run(isa, TableLoop { table: &mut table, base: base as u32, digits, maps });
     table
 }
 
-/// Appends one digit to the table's first `width` entries, so that there are `base` as many.
-struct LevelLoop<'a> {
+/// Appends one digit after the other to the table's first entry, so that there are `base` times
+/// as many each time.
+struct TableLoop<'a> {
     table: &'a mut [u32],
-    width: usize,
-    base: u64,
-    level_key: u64,
+    base: u32,
+    digits: u32,
     maps: &'a DigitMaps,
 }
 
-impl Loop for LevelLoop<'_> {
+impl Loop for TableLoop<'_> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        let Self { table, width, base, level_key, maps } = self;
-        let base32 = base as u32;
-        for block in (0..width.min(table.len())).step_by(BLOCK) {
-            let len = BLOCK.min(width - block).min(table.len() - block);
-            let (mut digits, mut before) = ([(0, 0); BLOCK], [0; BLOCK]);
-            let (digits, before) = (&mut digits[..len], &mut before[..len]);
-            for (prefix, map) in (block as u64..).zip(digits.iter_mut()) {
-                *map = maps.map(level_key, base, prefix);
-            }
-            for (before, entry) in before.iter_mut().zip(&table[block..]) {
-                *before = entry * base32;
-            }
-            for at in (block..table.len()).step_by(width).take(base as usize) {
-                let states = digits.iter_mut().zip(before.iter());
-                for (entry, ((factor, digit), before)) in table[at..].iter_mut().zip(states) {
-                    *entry = before + *digit;
-                    let next = *digit + *factor;
-                    *digit = if next >= base32 { next - base32 } else { next };
+        /// A vector's numbers of 32 bits.
+        const LANES: usize = 8;
+        let Self { table, base, digits: levels, maps } = self;
+        // Nothing overflows: all digits but the last tell 2^16 points apart at the most.
+        let (mut factors, mut digits, mut before) = ([0; BLOCK], [0; BLOCK], [0; BLOCK]);
+        let mut width = 1;
+        for level in 0..levels {
+            let level_key = maps.level_key(level);
+            for block in (0..width.min(table.len())).step_by(BLOCK) {
+                let len = BLOCK.min(width - block).min(table.len() - block);
+                // Of few to the end of a vector, which is as cheap: what is too much is
+                // written over by what comes next, or lies behind the table's end.
+                let made = if block == 0 { len.next_multiple_of(LANES) } else { len };
+                let (factors, digits) = (&mut factors[..made], &mut digits[..made]);
+                let before = &mut before[..made];
+                maps.list(level_key, base, block as u64, factors, digits);
+                for (before, entry) in before.iter_mut().zip(&table[block..]) {
+                    *before = entry.wrapping_mul(base);
+                }
+                let mut at = block;
+                for _ in 0..base {
+                    let Some(entries) = table.get_mut(at..) else { break };
+                    let states = digits.iter_mut().zip(factors.iter().zip(before.iter()));
+                    for (entry, (digit, (factor, before))) in entries.iter_mut().zip(states) {
+                        *entry = before.wrapping_add(*digit);
+                        let next = digit.wrapping_add(*factor);
+                        *digit = if next >= base { next.wrapping_sub(base) } else { next };
+                    }
+                    at += width;
                 }
             }
+            width *= base as usize;
         }
     }
 }
@@ -211,16 +230,43 @@ impl DigitMaps {
         splitmix(self.key, level.into())
     }
 
+    /// Factors and constants of the maps of the digit at a level after the digits `prefix` ..
+    #[inline(always)]
+    fn list(
+        &self,
+        level_key: u64,
+        base: u32,
+        prefix: u64,
+        factors: &mut [u32],
+        constants: &mut [u32],
+    ) {
+        if !self.nested {
+            let (factor, constant) = self.map(level_key, base, 0);
+            factors.fill(factor);
+            constants.fill(constant);
+            return;
+        }
+        let mut bits = SplitMix::new(level_key, prefix);
+        for (factor, constant) in factors.iter_mut().zip(constants) {
+            (*factor, *constant) = affine_map(bits.draw(), base);
+        }
+    }
+
     /// Factor and constant of the map of the digit at a level after the digits `prefix`.
     #[inline(always)]
-    fn map(&self, level_key: u64, base: u64, prefix: u64) -> (u32, u32) {
+    fn map(&self, level_key: u64, base: u32, prefix: u64) -> (u32, u32) {
         if !self.scrambled {
             return (1, 0);
         }
-        let bits = splitmix(level_key, if self.nested { prefix } else { 0 });
-        let factor = 1 + (((bits >> 32) * (base - 1)) >> 32);
-        (factor as u32, (((bits & 0xffff_ffff) * base) >> 32) as u32)
+        affine_map(splitmix(level_key, if self.nested { prefix } else { 0 }), base)
     }
+}
+
+/// Factor and constant from random bits.
+#[inline(always)]
+fn affine_map(bits: u64, base: u32) -> (u32, u32) {
+    let upper = |half: u64, n: u32| (half.wrapping_mul(n.into()) >> 32) as u32;
+    (upper(bits >> 32, base - 1).wrapping_add(1), upper(bits & 0xffff_ffff, base))
 }
 
 /// All digits after those that tell the points apart, in units of the last of them. They are
@@ -244,12 +290,21 @@ impl Tail {
         }
     }
 
+    /// Overwrites `sums` by cell + tail of each cell.
     #[inline(always)]
-    pub(super) fn at(&self, cell: u64) -> f64 {
+    fn after<C: Copy + Into<u64>>(&self, cells: &[C], sums: &mut [f64]) {
+        let points = sums.iter_mut().zip(cells);
         match self {
-            Self::Zero => 0.0,
-            Self::Common(tail) => *tail,
-            Self::Own(key) => unit(splitmix(*key, cell)),
+            Self::Zero => points.for_each(|(sum, cell)| *sum = whole((*cell).into())),
+            Self::Common(tail) => {
+                points.for_each(|(sum, cell)| *sum = whole((*cell).into()) + tail);
+            }
+            Self::Own(key) => {
+                for (sum, &cell) in points {
+                    let cell = cell.into();
+                    *sum = whole(cell) + unit(splitmix(*key, cell));
+                }
+            }
         }
     }
 }
@@ -275,7 +330,8 @@ mod tests {
 
     fn coordinates(base: u64, n: u64, scramble: Scramble, first: u64, len: usize) -> Vec<f64> {
         let mut points = vec![0.0; len];
-        RadicalInverse::new(base, n, scramble, 17, 9).fill(Isa::detect(), first, &mut points, 0, 1);
+        let target = &mut Target::Rows { points: &mut points, dim: 1 };
+        RadicalInverse::new(base, n, scramble, 17, 9).fill(Isa::detect(), first, target, 0);
         points
     }
 

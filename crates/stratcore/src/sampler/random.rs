@@ -1,8 +1,9 @@
 //! Uniform independent points: the paper's `O(1/N)` baseline.
 
-use super::{Admissible, Facts, Kind, Placement, PointSet, Points, Sampler, Scramble};
+use super::hash::whole;
+use super::{Admissible, BELOW_ONE, Facts, Kind, Placement, PointSet, Points, Sampler, Scramble};
 use crate::rng::{PairMap, Stream, StreamKey};
-use crate::simd::{self, BLOCK, Isa, Loop};
+use crate::simd::{self, BLOCK, Divisor, Isa, Loop};
 
 /// Uniform independent points in any dimension, any N.
 #[derive(Debug, Clone, Copy)]
@@ -57,6 +58,47 @@ impl Points for UniformPoints {
             for (pair, slot) in drawn.chunks_exact(2).zip(slots.by_ref()) {
                 slot.copy_from_slice(&pair[..slot.len()]);
             }
+        }
+    }
+}
+
+impl UniformPoints {
+    /// The same points, each coordinate moved into one of `n` slabs along its axis; `list` tells
+    /// for a point's index, coordinate by coordinate, which.
+    #[inline]
+    pub(super) fn fill_in_slabs(
+        &self,
+        isa: Isa,
+        n: u64,
+        first: u64,
+        points: &mut [f64],
+        mut list: impl FnMut(u64, &mut [u64]),
+    ) {
+        self.fill_with(isa, first, points);
+        let (dim, n) = (self.dim, Divisor::new(n));
+        let mut slabs = vec![0; points.len().min(dim * BLOCK)];
+        let runs = points.chunks_mut(dim * BLOCK);
+        for (first, points) in (first..).step_by(BLOCK).zip(runs) {
+            let slabs = &mut slabs[..points.len()];
+            for (index, slabs) in (first..).zip(slabs.chunks_exact_mut(dim)) {
+                list(index, slabs);
+            }
+            simd::run(isa, SlabLoop { slabs, n, points });
+        }
+    }
+}
+
+struct SlabLoop<'a> {
+    slabs: &'a [u64],
+    n: Divisor,
+    points: &'a mut [f64],
+}
+
+impl Loop for SlabLoop<'_> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        for (x, slab) in self.points.iter_mut().zip(self.slabs) {
+            *x = self.n.divide::<FMA>(whole(*slab) + *x).min(BELOW_ONE);
         }
     }
 }

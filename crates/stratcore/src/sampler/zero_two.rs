@@ -2,10 +2,12 @@
 
 use super::Points;
 use super::hash::splitmix;
-use super::owen::{DigitScramble, NestedUniform, OwnBits};
+use super::owen::{DigitScramble, Indices, NestedUniform, OwnBits};
 use super::permutation::Permutation;
 use super::scramble::Scramble;
+use super::target::Target;
 use crate::simd::{self, BLOCK, Isa, Loop};
+use std::ops::Range;
 
 /// Both coordinates of a point, as 32 digits with the leading one lowest.
 ///
@@ -55,7 +57,7 @@ impl ZeroTwo {
     /// Both coordinates of the set's points `first .. first + len`, at most a block.
     #[inline(always)]
     fn block(&self, first: u64, len: usize) -> [[f64; BLOCK]; 2] {
-        let mut indices: [u64; BLOCK] = std::array::from_fn(|i| first + i as u64);
+        let mut indices: [u64; BLOCK] = std::array::from_fn(|i| first.wrapping_add(i as u64));
         match &self.order {
             Order::Kept => {}
             Order::Permuted(order) => {
@@ -70,8 +72,9 @@ impl ZeroTwo {
         }
         let mut block = [[0.0; BLOCK]; 2];
         let [a, b] = &mut block;
-        self.axes[0].coordinates(&xs, &indices, OwnBits::new(self.own, 0), &mut a[..len]);
-        self.axes[1].coordinates(&ys, &indices, OwnBits::new(self.own, 1), &mut b[..len]);
+        let listed = Indices::Listed(&indices);
+        self.axes[0].coordinates(&xs, listed, OwnBits::new(self.own, 0), &mut a[..len]);
+        self.axes[1].coordinates(&ys, listed, OwnBits::new(self.own, 1), &mut b[..len]);
         block
     }
 }
@@ -82,34 +85,42 @@ pub(super) struct PaddedPoints {
     pub(super) dim: usize,
 }
 
-impl Points for PaddedPoints {
-    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
+impl PaddedPoints {
+    fn write(&self, isa: Isa, first: u64, target: &mut Target<'_>) {
         for (pair, sequence) in self.pairs.iter().enumerate() {
-            simd::run(isa, PairLoop { sequence, first, points, axis: 2 * pair, dim: self.dim });
+            let axes = 2 * pair..self.dim.min(2 * pair + 2);
+            simd::run(isa, PairLoop { sequence, first, target, axes });
         }
     }
 }
 
-/// Coordinates `axis` and, where there is one, the next of points `first ..`.
-struct PairLoop<'a> {
-    sequence: &'a ZeroTwo,
-    first: u64,
-    points: &'a mut [f64],
-    axis: usize,
-    dim: usize,
+impl Points for PaddedPoints {
+    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
+        self.write(isa, first, &mut Target::Rows { points, dim: self.dim });
+    }
+    fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
+        self.write(isa, first, &mut Target::Centred(columns));
+    }
 }
 
-impl Loop for PairLoop<'_> {
+/// One or two coordinates of points `first ..`.
+struct PairLoop<'a, 'b> {
+    sequence: &'a ZeroTwo,
+    first: u64,
+    target: &'a mut Target<'b>,
+    axes: Range<usize>,
+}
+
+impl Loop for PairLoop<'_, '_> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        let Self { sequence, first, points, axis, dim } = self;
-        let blocks = points.chunks_mut(BLOCK * dim);
-        for (first, run) in (first..).step_by(BLOCK).zip(blocks) {
-            let [xs, ys] = sequence.block(first, run.len() / dim);
-            for (point, (x, y)) in run.chunks_exact_mut(dim).zip(xs.iter().zip(&ys)) {
-                for (coordinate, value) in point[axis..].iter_mut().zip([*x, *y]) {
-                    *coordinate = value;
-                }
+        let Self { sequence, first, target, axes } = self;
+        let n = target.len();
+        for at in (0..n).step_by(BLOCK) {
+            let len = BLOCK.min(n - at);
+            let block = sequence.block(first + at as u64, len);
+            for (axis, coordinates) in axes.clone().zip(&block) {
+                target.put(axis, at, &coordinates[..len]);
             }
         }
     }

@@ -30,7 +30,7 @@ mod x86;
 use draw::Group;
 use std::sync::OnceLock;
 
-pub(crate) use cells::Cells;
+pub(crate) use cells::{Cells, Sorted};
 pub(crate) use draw::Trials;
 pub(crate) use fill::{BLOCK, Divisor, Loop, run};
 pub(crate) use types::{
@@ -109,7 +109,7 @@ macro_rules! compiled_for {
     ($module:ident, $features:literal, $vector:ty) => {
         mod $module {
             use super::shader::{Directional, Point, Polynomial, WideHeadlight};
-            use super::{Cells, Exact, Group, Pixel32, Shading, Strata, Trials, Work};
+            use super::{Cells, Exact, Group, Pixel32, Shading, Sorted, Strata, Trials, Work};
             use super::{dissect, scatter, strata};
             use crate::simd::strata::Drawn;
 
@@ -155,10 +155,10 @@ macro_rules! compiled_for {
                 cells: &Cells,
                 positions: [&[f32]; 2],
                 values: &mut [f32],
+                sorted: &mut Sorted,
                 exact: Exact<'_>,
             ) {
-                let mut order = vec![0; values.len()];
-                shaded!(V, scatter::values_at(pixel, cells, positions, values, &mut order, exact));
+                shaded!(V, scatter::values_at(pixel, cells, positions, values, sorted, exact));
             }
 
             #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
@@ -226,16 +226,18 @@ pub(crate) fn scattered_sums(
     dispatch!(isa, scattered_sums(pixel, cells, n, trials, sums, exact));
 }
 
-/// Overwrites `values` with those at positions (s, t) about the pixel's centre.
+/// Overwrites `values` with those at positions (s, t) about the pixel's centre; `sorted` is room
+/// for that.
 pub(crate) fn values_at(
     isa: Isa,
     pixel: &Pixel32,
     cells: &Cells,
     positions: [&[f32]; 2],
     values: &mut [f32],
+    sorted: &mut Sorted,
     exact: Exact<'_>,
 ) {
-    dispatch!(isa, values_at(pixel, cells, positions, values, exact));
+    dispatch!(isa, values_at(pixel, cells, positions, values, sorted, exact));
 }
 
 /// What fills each cell of a grid over the pixel.

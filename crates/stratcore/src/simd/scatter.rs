@@ -1,5 +1,6 @@
 //! Samples that may lie anywhere in the pixel: sorted into the cells of a fixed grid.
 
+use super::cells::Sorted;
 use super::dissect::Fill;
 use super::draw::Group;
 use super::shader::{Shader, affine};
@@ -9,17 +10,17 @@ use super::visible::visible;
 use super::{Cells, Pixel32};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Values of samples within one cell.
+/// Values of samples within cells of one fill.
 #[inline(always)]
 fn in_cell<S: Shader, V: Vector>(
     pixel: &Pixel32,
     cells: &Cells,
-    cell: u32,
+    fill: Fill,
     s: V,
     t: V,
     exact: Exact<'_>,
 ) -> V {
-    match cells.fills[cell as usize] {
+    match fill {
         Fill::Uniform { facet, lit } => {
             let facet = pixel.facet(facet);
             if facet.is_flat || (S::SHADOWS && !lit) {
@@ -36,40 +37,61 @@ fn in_cell<S: Shader, V: Vector>(
 }
 
 /// Overwrites `values` with those at positions (s, t) about the pixel's centre, in any order.
-/// Samples are sorted by cell first, so that a vector of them shares one list; `order` is room
-/// for that.
+/// Samples are sorted by cell first, so that a vector of them shares one list.
 #[inline(always)]
 pub(super) fn values_at<S: Shader, V: Vector>(
     pixel: &Pixel32,
     cells: &Cells,
     positions: [&[f32]; 2],
     values: &mut [f32],
-    order: &mut [u32],
+    sorted: &mut Sorted,
     exact: Exact<'_>,
 ) {
-    let [s, t] = positions;
-    let order = &mut order[..values.len()];
-    let ends = cells.sort(s, t, order);
+    if cells.is_single() {
+        let (fill, _) = cells.fills[0];
+        return run::<S, V>(pixel, cells, fill, positions, values, exact);
+    }
+    sorted.resize(cells, values.len());
+    cells.sort(positions, sorted);
+    let Sorted { ends, places, s, t, values: found } = sorted;
     let mut start = 0;
-    for (cell, end) in (0..).zip(ends) {
-        for lanes in order[start as usize..end as usize].chunks(V::LANES) {
-            let (mut ls, mut lt) = ([0.0; MAX_LANES], [0.0; MAX_LANES]);
-            for (l, &at) in lanes.iter().enumerate() {
-                ls[l] = s[at as usize];
-                lt[l] = t[at as usize];
-            }
-            // Idle lanes repeat the first sample: it is certainly in the cell.
-            for l in lanes.len()..V::LANES {
-                ls[l] = ls[0];
-                lt[l] = lt[0];
-            }
-            let found =
-                in_cell::<S, V>(pixel, cells, cell, V::load(&ls), V::load(&lt), exact).store();
-            for (l, &at) in lanes.iter().enumerate() {
-                values[at as usize] = found[l];
-            }
-        }
+    for &(fill, end) in &cells.fills {
+        let end = ends[end as usize - 1] as usize;
+        let found = &mut found[start..end];
+        run::<S, V>(pixel, cells, fill, [&s[start..end], &t[start..end]], found, exact);
         start = end;
+    }
+    for (value, place) in values.iter_mut().zip(places) {
+        *value = found[*place as usize];
+    }
+}
+
+/// Overwrites `values` with those at positions within cells of one fill.
+#[inline(always)]
+fn run<S: Shader, V: Vector>(
+    pixel: &Pixel32,
+    cells: &Cells,
+    fill: Fill,
+    [s, t]: [&[f32]; 2],
+    values: &mut [f32],
+    exact: Exact<'_>,
+) {
+    let lanes = values.chunks_mut(V::LANES).zip(s.chunks(V::LANES).zip(t.chunks(V::LANES)));
+    for (values, (s, t)) in lanes {
+        let len = values.len();
+        if len == V::LANES {
+            let found = in_cell::<S, V>(pixel, cells, fill, V::load(s), V::load(t), exact);
+            found.write(values);
+        } else {
+            // Idle lanes repeat the first sample: it is certainly in the cell.
+            let [s, t] = [s, t].map(|x| {
+                let mut lanes = [x[0]; MAX_LANES];
+                lanes[..len].copy_from_slice(x);
+                V::load(&lanes)
+            });
+            let found = in_cell::<S, V>(pixel, cells, fill, s, t, exact);
+            values.copy_from_slice(&found.store()[..len]);
+        }
     }
 }
 
@@ -87,13 +109,14 @@ pub(super) fn scattered_sums<S: Shader, V: Vector>(
     /// Samples that are sorted together.
     const ROUND: usize = 1 << 14;
     if cells.is_single() {
+        let (fill, _) = cells.fills[0];
         for group in groups {
             let mut index = 0;
             while index < n && !cancel.load(Ordering::Relaxed) {
                 let end = n.min(index.saturating_add(ROUND as u32));
                 while index < end {
                     let [s, t] = group.anywhere(index);
-                    let value = in_cell::<S, V>(pixel, cells, 0, s, t, exact);
+                    let value = in_cell::<S, V>(pixel, cells, fill, s, t, exact);
                     group.sum = V::sum_add(group.sum, value);
                     index += 1;
                 }
@@ -102,9 +125,9 @@ pub(super) fn scattered_sums<S: Shader, V: Vector>(
         return;
     }
     let capacity = ROUND.min(n as usize * V::LANES);
-    let [mut s, mut t, mut values] =
-        [vec![0.0; capacity], vec![0.0; capacity], vec![0.0; capacity + V::LANES]];
-    let mut order = vec![0; capacity];
+    // Vectors are written and read whole, with or without a trial in each lane.
+    let [mut s, mut t, mut values] = [(); 3].map(|()| vec![0.0; capacity + V::LANES]);
+    let mut sorted = Sorted::default();
     for (first_trial, group) in (0..n_trials).step_by(V::LANES).zip(groups) {
         // Lanes without a trial are not evaluated.
         let lanes = V::LANES.min(n_trials - first_trial);
@@ -115,13 +138,13 @@ pub(super) fn scattered_sums<S: Shader, V: Vector>(
             let len = (end - index) as usize * lanes;
             for (at, index) in (0..len).step_by(lanes).zip(index..end) {
                 let [ps, pt] = group.anywhere(index);
-                s[at..at + lanes].copy_from_slice(&ps.store()[..lanes]);
-                t[at..at + lanes].copy_from_slice(&pt.store()[..lanes]);
+                ps.write(&mut s[at..]);
+                pt.write(&mut t[at..]);
             }
             let at = [&s[..len], &t[..len]];
-            values_at::<S, V>(pixel, cells, at, &mut values[..len], &mut order, exact);
+            values_at::<S, V>(pixel, cells, at, &mut values[..len], &mut sorted, exact);
             for at in (0..len).step_by(lanes) {
-                group.sum = V::sum_add(group.sum, V::load(&values[at..at + V::LANES]));
+                group.sum = V::sum_add(group.sum, V::load(&values[at..]));
             }
             index = end;
         }

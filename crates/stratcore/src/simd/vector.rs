@@ -38,6 +38,8 @@ pub(super) trait Vector: Copy {
     fn load(values: &[f32]) -> Self;
     /// The first LANES values are the vector's.
     fn store(self) -> [f32; MAX_LANES];
+    /// Writes LANES values.
+    fn write(self, values: &mut [f32]);
 
     fn mask_none() -> Self::Mask;
     fn mask_all() -> Self::Mask;
@@ -183,6 +185,10 @@ impl Vector for Plain {
     #[inline(always)]
     fn store(self) -> [f32; MAX_LANES] {
         std::array::from_fn(|l| if l < 8 { self.0[l] } else { 0.0 })
+    }
+    #[inline(always)]
+    fn write(self, values: &mut [f32]) {
+        values[..8].copy_from_slice(&self.0);
     }
     #[inline(always)]
     fn mask_none() -> Self::Mask {

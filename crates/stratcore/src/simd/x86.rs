@@ -107,6 +107,11 @@ impl Vector for Avx2 {
         out
     }
     #[inline(always)]
+    fn write(self, values: &mut [f32]) {
+        let values = &mut values[..Self::LANES];
+        intrinsic!(_mm256_storeu_ps(values.as_mut_ptr(), self.0));
+    }
+    #[inline(always)]
     fn mask_none() -> Self::Mask {
         intrinsic!(_mm256_setzero_ps())
     }
@@ -258,6 +263,11 @@ impl Vector for Avx512 {
         let mut out = [0.0; MAX_LANES];
         intrinsic!(_mm512_storeu_ps(out.as_mut_ptr(), self.0));
         out
+    }
+    #[inline(always)]
+    fn write(self, values: &mut [f32]) {
+        let values = &mut values[..Self::LANES];
+        intrinsic!(_mm512_storeu_ps(values.as_mut_ptr(), self.0));
     }
     #[inline(always)]
     fn mask_none() -> Self::Mask {

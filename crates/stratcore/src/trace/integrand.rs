@@ -144,10 +144,6 @@ impl Integrand for PixelIntegrand<'_> {
         self.inner().weigh_block(points, weights);
     }
 
-    fn batch(&self) -> usize {
-        self.inner().batch()
-    }
-
     fn trial_means(
         &self,
         sampler: &dyn Sampler,

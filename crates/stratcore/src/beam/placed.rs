@@ -1,0 +1,78 @@
+//! Trials of points that the kernels do not draw themselves.
+
+use crate::rng::StreamKey;
+use crate::sampler::{PointSet, Sampler};
+use crate::simd::{self, Isa, Loop};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Points that are evaluated together, of several trials where one has fewer: enough for a vector
+/// of samples in most cells of a pixel, few enough for a near cache.
+const BATCH: usize = 1 << 12;
+
+/// Overwrites `sums` with those of trials `first_trial ..`, each over the points of its own set of
+/// what `evaluate` puts down for them, given their positions about the pixel's centre. Once
+/// `cancel` is set, what is written means nothing.
+pub(super) fn sums(
+    isa: Isa,
+    sampler: &dyn Sampler,
+    set: &PointSet,
+    first_trial: u32,
+    sums: &mut [f64],
+    cancel: &AtomicBool,
+    mut evaluate: impl FnMut([&[f32]; 2], &mut [f32]),
+) {
+    let n = set.key.n_samples;
+    let block = usize::try_from(n).unwrap_or(usize::MAX).min(BATCH);
+    let n_together = (BATCH / block).min(sums.len()).max(1);
+    let [mut s, mut t, mut values] = [(); 3].map(|()| vec![0.0; n_together * block]);
+    for (first, sums) in (first_trial..).step_by(n_together).zip(sums.chunks_mut(n_together)) {
+        let source = |trial| {
+            let key = StreamKey { trial, ..set.key };
+            sampler.points(&PointSet { key, ..*set })
+        };
+        // A set that is evaluated part by part is made once.
+        let kept = (n_together == 1).then(|| source(first));
+        sums.fill(0.0);
+        for from in (0..n).step_by(block).take_while(|_| !cancel.load(Ordering::Relaxed)) {
+            let len = block.min((n - from) as usize);
+            let all = sums.len() * len;
+            let (s, t, values) = (&mut s[..all], &mut t[..all], &mut values[..all]);
+            let columns = s.chunks_exact_mut(len).zip(t.chunks_exact_mut(len));
+            for (trial, (s, t)) in (first..).zip(columns) {
+                match &kept {
+                    Some(points) => points.fill_centred(isa, from, [s, t]),
+                    None => source(trial).fill_centred(isa, from, [s, t]),
+                }
+            }
+            evaluate([s, t], values);
+            simd::run(isa, SumLoop { values, len, sums });
+        }
+    }
+}
+
+/// Adds to each trial's sum those of its `len` values.
+struct SumLoop<'a> {
+    values: &'a [f32],
+    len: usize,
+    sums: &'a mut [f64],
+}
+
+impl Loop for SumLoop<'_> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        for (sum, values) in self.sums.iter_mut().zip(self.values.chunks_exact(self.len)) {
+            // So many sums side by side, whatever the vectors.
+            let mut lanes = [0.0; 8];
+            let (blocks, rest) = values.as_chunks::<8>();
+            for block in blocks {
+                for (lane, value) in lanes.iter_mut().zip(block) {
+                    *lane += f64::from(*value);
+                }
+            }
+            for (lane, value) in lanes.iter_mut().zip(rest) {
+                *lane += f64::from(*value);
+            }
+            *sum += lanes.iter().sum::<f64>();
+        }
+    }
+}
