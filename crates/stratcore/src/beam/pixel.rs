@@ -10,8 +10,8 @@ use crate::integrand::Integrand;
 use crate::sampler::{Placement, PointSet, Sampler, Scramble};
 use crate::scene::{Channel, Distribution, Light, PixelFrame, Scene};
 use crate::simd::{
-    self, Cells, Entry, Facet32, Ground, Isa, Lanes4, Pixel32, Shading, Sorted, Strata, Trials,
-    Work,
+    self, Cells, Entry, Facet32, Ground, Isa, Lanes4, Pixel32, Scattered, Shading, Sorted, Strata,
+    Trials, Work,
 };
 use crate::trace::Accel;
 use std::cell::RefCell;
@@ -25,6 +25,8 @@ const NARROW: f64 = 4e-3;
 thread_local! {
     /// Room for lists, kept from row to row and from pixel to pixel.
     static WORK: RefCell<Work> = RefCell::default();
+    /// The same for samples without strata.
+    static SCATTERED: RefCell<Scattered> = RefCell::default();
 }
 
 /// A pixel's visible triangles in its own coordinates; the integrand of a study.
@@ -300,7 +302,10 @@ impl Integrand for PixelBeam {
                 });
             }
             (Placement::Independent, _, Ok(n)) => {
-                simd::scattered_sums(isa, pixel, self.cells(), n, &trials, means, &settle);
+                SCATTERED.with_borrow_mut(|room| {
+                    let cells = self.cells();
+                    simd::scattered_sums(isa, pixel, cells, n, &trials, means, room, &settle);
+                });
             }
             _ => {
                 let mut sorted = Sorted::default();

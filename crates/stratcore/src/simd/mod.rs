@@ -33,6 +33,7 @@ use std::sync::OnceLock;
 pub(crate) use cells::{Cells, Sorted};
 pub(crate) use draw::Trials;
 pub(crate) use fill::{BLOCK, Divisor, Loop, run};
+pub(crate) use scatter::Scattered;
 pub(crate) use types::{
     Entry, Exact, Facet32, Ground, Lanes4, Pixel32, Rect, Shading, Strata, Work,
 };
@@ -108,6 +109,7 @@ macro_rules! shaded {
 macro_rules! compiled_for {
     ($module:ident, $features:literal, $vector:ty) => {
         mod $module {
+            use super::scatter::Scattered;
             use super::shader::{Directional, Point, Polynomial, WideHeadlight};
             use super::{Cells, Exact, Group, Pixel32, Shading, Sorted, Strata, Trials, Work};
             use super::{dissect, scatter, strata};
@@ -138,14 +140,12 @@ macro_rules! compiled_for {
                 n: u32,
                 trials: &Trials<'_>,
                 sums: &mut [f64],
+                room: &mut Scattered,
                 exact: Exact<'_>,
             ) {
-                let (mut groups, _) = Group::<V>::all(trials, sums.len());
-                let (cancel, n_trials) = (trials.cancel, sums.len());
-                shaded!(
-                    V,
-                    scatter::scattered_sums(pixel, cells, n, &mut groups, n_trials, exact, cancel)
-                );
+                let (mut groups, spread) = Group::<V>::all(trials, sums.len());
+                let drawn = Drawn { groups: &mut groups, spread, cancel: trials.cancel };
+                shaded!(V, scatter::scattered_sums(pixel, cells, n, drawn, room, exact));
                 Group::store(&groups, sums);
             }
 
@@ -221,9 +221,10 @@ pub(crate) fn scattered_sums(
     n: u32,
     trials: &Trials<'_>,
     sums: &mut [f64],
+    room: &mut Scattered,
     exact: Exact<'_>,
 ) {
-    dispatch!(isa, scattered_sums(pixel, cells, n, trials, sums, exact));
+    dispatch!(isa, scattered_sums(pixel, cells, n, trials, sums, room, exact));
 }
 
 /// Overwrites `values` with those at positions (s, t) about the pixel's centre; `sorted` is room

@@ -2,13 +2,13 @@
 
 use super::cells::Sorted;
 use super::dissect::Fill;
-use super::draw::Group;
 use super::shader::{Shader, affine};
+use super::strata::Drawn;
 use super::types::Exact;
 use super::vector::{MAX_LANES, Vector};
 use super::visible::visible;
 use super::{Cells, Pixel32};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 
 /// Values of samples within cells of one fill.
 #[inline(always)]
@@ -101,52 +101,60 @@ pub(super) fn scattered_sums<S: Shader, V: Vector>(
     pixel: &Pixel32,
     cells: &Cells,
     n: u32,
-    groups: &mut [Group<V>],
-    n_trials: usize,
+    drawn: Drawn<'_, V>,
+    room: &mut Scattered,
     exact: Exact<'_>,
-    cancel: &AtomicBool,
 ) {
-    /// Samples that are sorted together.
-    const ROUND: usize = 1 << 14;
+    /// Samples that are sorted together: enough for a vector in most cells, few enough for a
+    /// near cache.
+    const ROUND: usize = 1 << 13;
+    let Drawn { groups, cancel, .. } = drawn;
     if cells.is_single() {
         let (fill, _) = cells.fills[0];
         for group in groups {
-            let mut index = 0;
-            while index < n && !cancel.load(Ordering::Relaxed) {
-                let end = n.min(index.saturating_add(ROUND as u32));
-                while index < end {
-                    let [s, t] = group.anywhere(index);
-                    let value = in_cell::<S, V>(pixel, cells, fill, s, t, exact);
-                    group.sum = V::sum_add(group.sum, value);
-                    index += 1;
-                }
+            for index in (0..n).take_while(|_| !cancel.load(Ordering::Relaxed)) {
+                let [s, t] = group.anywhere(index);
+                let value = in_cell::<S, V>(pixel, cells, fill, s, t, exact);
+                group.sum = V::sum_add(group.sum, value);
             }
         }
         return;
     }
-    let capacity = ROUND.min(n as usize * V::LANES);
-    // Vectors are written and read whole, with or without a trial in each lane.
-    let [mut s, mut t, mut values] = [(); 3].map(|()| vec![0.0; capacity + V::LANES]);
-    let mut sorted = Sorted::default();
-    for (first_trial, group) in (0..n_trials).step_by(V::LANES).zip(groups) {
-        // Lanes without a trial are not evaluated.
-        let lanes = V::LANES.min(n_trials - first_trial);
-        let per_round = (capacity / lanes) as u32;
-        let mut index = 0;
-        while index < n && !cancel.load(Ordering::Relaxed) {
-            let end = n.min(index.saturating_add(per_round));
-            let len = (end - index) as usize * lanes;
-            for (at, index) in (0..len).step_by(lanes).zip(index..end) {
+    // Lanes without a trial are not evaluated.
+    let n_trials = groups.iter().map(|group| group.n_trials).sum::<usize>();
+    let together = (ROUND / n_trials).clamp(1, n as usize);
+    let Scattered { s, t, values, sorted } = room;
+    for column in [&mut *s, t, values] {
+        // Vectors are written and read whole, with or without a trial in each lane.
+        column.resize(column.len().max(together * n_trials + MAX_LANES), 0.0);
+    }
+    for first in (0..n).step_by(together).take_while(|_| !cancel.load(Ordering::Relaxed)) {
+        let indices = first..n.min(first.saturating_add(together as u32));
+        let mut at = 0;
+        for index in indices.clone() {
+            for group in &*groups {
                 let [ps, pt] = group.anywhere(index);
                 ps.write(&mut s[at..]);
                 pt.write(&mut t[at..]);
+                at += group.n_trials;
             }
-            let at = [&s[..len], &t[..len]];
-            values_at::<S, V>(pixel, cells, at, &mut values[..len], &mut sorted, exact);
-            for at in (0..len).step_by(lanes) {
+        }
+        values_at::<S, V>(pixel, cells, [&s[..at], &t[..at]], &mut values[..at], sorted, exact);
+        let mut at = 0;
+        for _ in indices {
+            for group in &mut *groups {
                 group.sum = V::sum_add(group.sum, V::load(&values[at..]));
+                at += group.n_trials;
             }
-            index = end;
         }
     }
+}
+
+/// Room for samples on their way into the order of the cells and back.
+#[derive(Default)]
+pub(crate) struct Scattered {
+    s: Vec<f32>,
+    t: Vec<f32>,
+    values: Vec<f32>,
+    sorted: Sorted,
 }
