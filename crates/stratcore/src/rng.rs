@@ -117,6 +117,12 @@ impl Stream {
         word & !1
     }
 
+    /// A stream of its own for 64 bits of a scramble.
+    #[inline(always)]
+    pub(crate) fn of_bits(bits: u64) -> Self {
+        Self::new([bits as u32, (bits >> 32) as u32, 0, 0])
+    }
+
     /// Two coordinates in [0, 1), multiples of 2^-48: pair number `index` of the stream.
     pub fn pair(&self, index: u64) -> [f64; 2] {
         unit_pair(self.draw(index))
@@ -146,6 +152,17 @@ impl Stream {
                 rest.copy_from_slice(&block[..rest.len()]);
                 first += SHORT as u64;
             }
+        }
+    }
+
+    /// The first `len` of a block of draws from number `first` on, each word by draw.
+    #[inline(always)]
+    pub(crate) fn draws(&self, first: u32, len: usize, words: &mut [[u32; BLOCK]; 3]) {
+        let [low, second, third] = self.arguments(first.into());
+        let [a, b, c] = words;
+        let (a, b, c) = (&mut a[..len], &mut b[..len], &mut c[..len]);
+        for l in 0..len {
+            [a[l], b[l], c[l]] = pcg3d([low.wrapping_add(l as u32), second, third]);
         }
     }
 
@@ -198,7 +215,7 @@ pub(crate) trait PairMap: Copy {
 
 /// Two numbers of 48 bits from three words.
 #[inline(always)]
-fn unit_pair([a, b, c]: [u32; 3]) -> [f64; 2] {
+pub(crate) fn unit_pair([a, b, c]: [u32; 3]) -> [f64; 2] {
     // The bits of a number in [1, 2): cheaper to make than a whole number is to convert.
     let unit = |hi: u32, lo: u32| {
         f64::from_bits(0x3ff << 52 | u64::from(hi) << 20 | u64::from(lo) << 4) - 1.0

@@ -1,7 +1,7 @@
 //! Trials of points that the kernels do not draw themselves.
 
 use crate::rng::StreamKey;
-use crate::sampler::{PointSet, Sampler};
+use crate::sampler::{PointSet, Points, Sampler};
 use crate::simd::{self, Isa, Loop};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -25,13 +25,8 @@ pub(super) fn sums(
     let block = usize::try_from(n).unwrap_or(usize::MAX).min(BATCH);
     let n_together = (BATCH / block).min(sums.len()).max(1);
     let [mut s, mut t, mut values] = [(); 3].map(|()| vec![0.0; n_together * block]);
+    let (mut points, mut made): (Option<Box<dyn Points>>, _) = (None, None);
     for (first, sums) in (first_trial..).step_by(n_together).zip(sums.chunks_mut(n_together)) {
-        let source = |trial| {
-            let key = StreamKey { trial, ..set.key };
-            sampler.points(&PointSet { key, ..*set })
-        };
-        // A set that is evaluated part by part is made once.
-        let kept = (n_together == 1).then(|| source(first));
         sums.fill(0.0);
         for from in (0..n).step_by(block).take_while(|_| !cancel.load(Ordering::Relaxed)) {
             let len = block.min((n - from) as usize);
@@ -39,9 +34,17 @@ pub(super) fn sums(
             let (s, t, values) = (&mut s[..all], &mut t[..all], &mut values[..all]);
             let columns = s.chunks_exact_mut(len).zip(t.chunks_exact_mut(len));
             for (trial, (s, t)) in (first..).zip(columns) {
-                match &kept {
-                    Some(points) => points.fill_centred(isa, from, [s, t]),
-                    None => source(trial).fill_centred(isa, from, [s, t]),
+                let key = StreamKey { trial, ..set.key };
+                // A set that is evaluated part by part is made once.
+                if made != Some(trial) {
+                    let renewed = points.as_mut().is_some_and(|points| points.renew(&key));
+                    if !renewed {
+                        points = Some(sampler.points(&PointSet { key, ..*set }));
+                    }
+                    made = Some(trial);
+                }
+                if let Some(points) = &points {
+                    points.fill_centred(isa, from, [s, t]);
                 }
             }
             evaluate([s, t], values);

@@ -4,6 +4,7 @@ use super::hash::splitmix;
 use super::permutation::Permutation;
 use super::random::UniformPoints;
 use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble, strata_per_axis};
+use crate::rng::StreamKey;
 use crate::simd::Isa;
 
 /// One point in each of the m × n cells of a grid and, at the same time, in each of the mn
@@ -70,5 +71,12 @@ impl Points for MultiJitteredPoints {
                 (column, row) = (0, row + 1);
             }
         });
+    }
+    fn renew(&mut self, key: &StreamKey) -> bool {
+        self.offsets.stream = key.stream();
+        let bits = self.offsets.stream.scramble_bits();
+        self.offset_of_row.renew(splitmix(bits, 0));
+        self.offset_of_column.renew(splitmix(bits, 1));
+        true
     }
 }

@@ -4,6 +4,7 @@ use super::hash::{splitmix, unit};
 use super::owen::{DigitScramble, Indices, OwnBits, levels};
 use super::target::Target;
 use super::{PointSet, Points, Scramble};
+use crate::rng::StreamKey;
 use crate::simd::{self, BLOCK, Isa, Loop};
 use std::ops::BitXor;
 
@@ -13,6 +14,9 @@ pub(super) type Columns = [u32; 32];
 
 /// A digital sequence in base 2 under any of its scrambles.
 pub(super) struct DigitalPoints {
+    matrices: &'static [Columns],
+    scramble: Scramble,
+    levels: u32,
     axes: Vec<Axis>,
     /// Key of the bits that truly scrambled points have of their own.
     own: u64,
@@ -27,22 +31,15 @@ enum Axis {
 
 impl DigitalPoints {
     pub(super) fn new(matrices: &'static [Columns], set: &PointSet) -> Self {
-        let bits = set.key.stream().scramble_bits();
-        let levels = levels(set.key.n_samples);
-        let axis = |(axis, columns)| {
-            let key = splitmix(bits, axis);
-            match set.scramble {
-                Scramble::LmsShift => {
-                    let columns = Box::new(linear_scramble(columns, levels, key));
-                    Axis::Linear { columns, shift: key }
-                }
-                _ => {
-                    let scramble = DigitScramble::new(set.scramble, key, levels);
-                    Axis::Digits { columns, scramble }
-                }
-            }
+        let axis = |columns| match set.scramble {
+            Scramble::LmsShift => Axis::Linear { columns: Box::new([0; 32]), shift: 0 },
+            _ => Axis::Digits { columns, scramble: DigitScramble::Xor(0) },
         };
-        Self { axes: (0..).zip(matrices).map(axis).collect(), own: splitmix(bits, u64::MAX - 1) }
+        let (scramble, levels) = (set.scramble, levels(set.key.n_samples));
+        let axes = matrices.iter().map(axis).collect();
+        let mut points = Self { matrices, scramble, levels, axes, own: 0 };
+        points.renew(&set.key);
+        points
     }
 }
 
@@ -118,6 +115,23 @@ impl Points for DigitalPoints {
     }
     fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
         self.write(isa, first, &mut Target::Centred(columns));
+    }
+    fn renew(&mut self, key: &StreamKey) -> bool {
+        let bits = key.stream().scramble_bits();
+        for (number, (axis, matrix)) in (0..).zip(self.axes.iter_mut().zip(self.matrices)) {
+            let key = splitmix(bits, number);
+            match axis {
+                Axis::Digits { scramble, .. } => {
+                    *scramble = DigitScramble::new(self.scramble, key, self.levels);
+                }
+                Axis::Linear { columns, shift } => {
+                    **columns = linear_scramble(matrix, self.levels, key);
+                    *shift = key;
+                }
+            }
+        }
+        self.own = splitmix(bits, u64::MAX - 1);
+        true
     }
 }
 

@@ -5,6 +5,7 @@ use super::radical::{RadicalInverse, primes};
 use super::sobol::MOST_POINTS;
 use super::target::Target;
 use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
+use crate::rng::StreamKey;
 use crate::simd::Isa;
 use std::sync::OnceLock;
 
@@ -31,7 +32,9 @@ impl Sampler for Halton {
         }
     }
     fn construct(&self, set: &PointSet) -> Box<dyn Points> {
-        Box::new(HaltonPoints { axes: radical_inverses(set, set.dim) })
+        let mut points = HaltonPoints { axes: radical_inverses(set, set.dim) };
+        points.renew(&set.key);
+        Box::new(points)
     }
 }
 
@@ -42,15 +45,19 @@ pub(super) const SCRAMBLES: &[Scramble] =
 /// Dimensions: the number of prime bases kept.
 pub(super) const BASES: usize = 1024;
 
-/// The first `count` coordinates of the Halton sequence, scrambled as the set says.
+/// The first `count` coordinates of the Halton sequence, to be scrambled as the set says.
 pub(super) fn radical_inverses(set: &PointSet, count: usize) -> Vec<RadicalInverse> {
     static PRIMES: OnceLock<Vec<u64>> = OnceLock::new();
     let bases = PRIMES.get_or_init(|| primes(BASES));
-    let bits = set.key.stream().scramble_bits();
-    let axis = |(axis, base): (u64, &u64)| {
-        RadicalInverse::new(*base, set.key.n_samples, set.scramble, splitmix(bits, axis), set.dim)
-    };
-    (0..).zip(&bases[..count]).map(axis).collect()
+    let axis = |base: &u64| RadicalInverse::new(*base, set.key.n_samples, set.scramble, set.dim);
+    bases[..count].iter().map(axis).collect()
+}
+
+/// Scrambles them as those of a stream.
+pub(super) fn scramble(axes: &mut [RadicalInverse], bits: u64) {
+    for (axis, coordinates) in (0..).zip(axes) {
+        coordinates.scramble(splitmix(bits, axis));
+    }
 }
 
 struct HaltonPoints {
@@ -71,5 +78,9 @@ impl Points for HaltonPoints {
     }
     fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
         self.write(isa, first, &mut Target::Centred(columns));
+    }
+    fn renew(&mut self, key: &StreamKey) -> bool {
+        scramble(&mut self.axes, key.stream().scramble_bits());
+        true
     }
 }

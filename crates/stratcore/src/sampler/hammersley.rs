@@ -1,11 +1,12 @@
 //! The Hammersley set.
 
-use super::halton::{BASES, SCRAMBLES, radical_inverses};
+use super::halton::{BASES, SCRAMBLES, radical_inverses, scramble};
 use super::hash::splitmix;
-use super::radical::{FractionLoop, RadicalInverse, Tail};
+use super::radical::{FractionLoop, RadicalInverse, Tail, TailLoop};
 use super::sobol::MOST_POINTS;
 use super::target::Target;
-use super::{Admissible, Facts, Kind, PointSet, Points, Sampler};
+use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
+use crate::rng::StreamKey;
 use crate::simd::{self, BLOCK, Divisor, Isa};
 
 /// i/N and the Halton sequence in d - 1 dimensions. Scrambles work on the digits of the latter
@@ -28,18 +29,20 @@ impl Sampler for Hammersley {
         }
     }
     fn construct(&self, set: &PointSet) -> Box<dyn Points> {
-        // Keys of the other axes count from 0.
-        let key = splitmix(set.key.stream().scramble_bits(), BASES as u64);
-        Box::new(HammersleyPoints {
+        let mut points = HammersleyPoints {
             n: Divisor::new(set.key.n_samples),
-            tail: Tail::new(set.scramble, key),
+            scramble: set.scramble,
+            tail: Tail::Common(0.0),
             others: radical_inverses(set, set.dim - 1),
-        })
+        };
+        points.renew(&set.key);
+        Box::new(points)
     }
 }
 
 struct HammersleyPoints {
     n: Divisor,
+    scramble: Scramble,
     tail: Tail,
     others: Vec<RadicalInverse>,
 }
@@ -49,9 +52,10 @@ impl HammersleyPoints {
         for at in (0..target.len()).step_by(BLOCK) {
             let len = BLOCK.min(target.len() - at);
             let from = first + at as u64;
-            let cells: [u64; BLOCK] = std::array::from_fn(|i| from + i as u64);
-            let (tail, scale, cells) = (&self.tail, self.n, &cells[..len]);
-            simd::run(isa, FractionLoop { cells, tail, scale, target, axis: 0, at });
+            let mut sums: [f64; BLOCK] = std::array::from_fn(|i| (from + i as u64) as f64);
+            let (sums, scale) = (&mut sums[..len], self.n);
+            simd::run(isa, TailLoop { tail: &self.tail, first: from, sums });
+            simd::run(isa, FractionLoop { sums, scale, target, axis: 0, at });
         }
         for (other, coordinates) in self.others.iter().enumerate() {
             coordinates.fill(isa, first, target, other + 1);
@@ -65,5 +69,12 @@ impl Points for HammersleyPoints {
     }
     fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
         self.write(isa, first, &mut Target::Centred(columns));
+    }
+    fn renew(&mut self, key: &StreamKey) -> bool {
+        let bits = key.stream().scramble_bits();
+        // Keys of the other axes count from 0.
+        self.tail = Tail::new(self.scramble, splitmix(bits, BASES as u64));
+        scramble(&mut self.others, bits);
+        true
     }
 }

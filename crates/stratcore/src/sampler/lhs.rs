@@ -51,4 +51,12 @@ impl Points for RooksPoints {
             }
         });
     }
+    fn renew(&mut self, key: &StreamKey) -> bool {
+        self.offsets.stream = key.stream();
+        let bits = self.offsets.stream.scramble_bits();
+        for (axis, permutation) in (1..).zip(&mut self.others) {
+            permutation.renew(splitmix(bits, axis));
+        }
+        true
+    }
 }

@@ -220,7 +220,7 @@ pub trait Sampler: Send + Sync {
         match set.scramble {
             Scramble::TorusShift | Scramble::Tent => {
                 let constructed = self.construct(&PointSet { scramble: Scramble::None, ..*set });
-                Box::new(Shifted::new(constructed, set, set.scramble == Scramble::Tent))
+                Box::new(Shifted::new(constructed, set, !self.facts().is_random))
             }
             _ => self.construct(set),
         }
@@ -252,6 +252,11 @@ pub trait Points {
             self.fill_with(isa, first, rows.as_flattened_mut());
             simd::run(isa, CentreLoop { rows, columns: [s, t] });
         }
+    }
+    /// Becomes the set of another key that differs in the trial alone, in the room that it has.
+    /// False, and nothing has changed, where it cannot.
+    fn renew(&mut self, _key: &StreamKey) -> bool {
+        false
     }
 }
 
@@ -412,6 +417,36 @@ mod tests {
                             same_when_centred(&*points, first, len, &format!("{set:?}"));
                         }
                     }
+                }
+            }
+        }
+    }
+
+    /// A set of another trial made in its room has the same points as one made anew.
+    #[test]
+    fn renewed_sets_are_those_made_anew() {
+        for sampler in SHELF {
+            for &scramble in sampler.scrambles() {
+                for (asked, dim) in [(1, 2), (13, 3), (64, 5), (200, 2), (70_000, 2)] {
+                    let Ok(n) = count_used(*sampler, asked, dim, CountPolicy::Snap) else {
+                        continue;
+                    };
+                    let (pixel, stream) = ([7, 5], sampler.stream_id());
+                    let key = StreamKey { seed: 3, pixel, sampler: stream, n_samples: n, trial: 2 };
+                    let set = PointSet { key, dim, scramble, rectangular: false };
+                    let next = PointSet { key: StreamKey { trial: 300, ..key }, ..set };
+                    if ["annealed", "best-candidate", "poisson"].contains(&sampler.name()) {
+                        continue;
+                    }
+                    let mut points = sampler.points(&set);
+                    if !points.renew(&next.key) {
+                        continue;
+                    }
+                    let len = n.min(300) as usize;
+                    let [mut renewed, mut anew] = [(); 2].map(|()| vec![f64::NAN; len * dim]);
+                    points.fill(n - len as u64, &mut renewed);
+                    sampler.points(&next).fill(n - len as u64, &mut anew);
+                    assert_eq!(renewed, anew, "{set:?}");
                 }
             }
         }

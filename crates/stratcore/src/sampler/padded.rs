@@ -1,10 +1,9 @@
 //! Padded (0,2)-sequences: what renderers ship for many dimensions.
 
-use super::hash::splitmix;
 use super::owen::levels;
 use super::permutation::Permutation;
 use super::sobol::MOST_POINTS;
-use super::zero_two::{Order, PaddedPoints, ZeroTwo};
+use super::zero_two::{Order, PaddedPoints, ZeroTwo, pair_keys};
 use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
 
 /// Two dimensions at a time from the (0,2)-sequence of Sobol', each pair scrambled on its own
@@ -36,15 +35,15 @@ impl Sampler for Padded {
         let bits = set.key.stream().scramble_bits();
         let n = set.key.n_samples;
         let pair = |pair| {
-            let key = splitmix(bits, pair);
+            let [key, order_key] = pair_keys(bits, pair);
             // The first pair keeps its order: the set is the same.
             let order = match pair {
                 0 => Order::Kept,
-                _ => Order::Permuted(Permutation::new(n, splitmix(key, u64::MAX))),
+                _ => Order::Permuted(Permutation::new(n, order_key)),
             };
             ZeroTwo::new(set.scramble, key, levels(n), 0, order)
         };
         let pairs = (0..set.dim.div_ceil(2) as u64).map(pair).collect();
-        Box::new(PaddedPoints { pairs, dim: set.dim })
+        Box::new(PaddedPoints { pairs, dim: set.dim, scrambled: Some((set.scramble, levels(n))) })
     }
 }

@@ -20,18 +20,33 @@ impl Permutation {
     /// The permutation of 0 .. `n` named by `key`; `n` is at most 2^44.
     pub(super) fn new(n: u64, key: u64) -> Self {
         if n <= Self::SHUFFLED {
-            let mut table: Vec<u32> = (0..n as u32).collect();
-            for i in (1..table.len()).rev() {
-                let j = below(i as u64 + 1, splitmix(key, i as u64));
-                table.swap(i, j as usize);
-            }
-            Self::Shuffled(table)
+            let mut made = Self::Shuffled(vec![0; n as usize]);
+            made.renew(key);
+            made
         } else {
             // a^2 >= n, so that both residues run over 0 .. a.
             let mut a = (n as f64).sqrt() as u64;
             a += u64::from(a * a < n);
             a += u64::from(a * a < n);
             Self::Feistel { n, a, rounds: std::array::from_fn(|r| splitmix(key, r as u64)) }
+        }
+    }
+
+    /// Becomes the one named by another key.
+    pub(super) fn renew(&mut self, key: u64) {
+        match self {
+            Self::Shuffled(table) => {
+                for (i, entry) in (0..).zip(table.iter_mut()) {
+                    *entry = i;
+                }
+                for i in (1..table.len()).rev() {
+                    let j = below(i as u64 + 1, splitmix(key, i as u64));
+                    table.swap(i, j as usize);
+                }
+            }
+            Self::Feistel { rounds, .. } => {
+                *rounds = std::array::from_fn(|r| splitmix(key, r as u64));
+            }
         }
     }
 

@@ -2,6 +2,7 @@
 
 use super::memo::Memo;
 use super::{Admissible, BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble};
+use crate::rng::StreamKey;
 use crate::simd::Isa;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -125,6 +126,9 @@ impl Points for LatticePoints {
                 residue -= if residue >= self.n { self.n } else { 0 };
             }
         }
+    }
+    fn renew(&mut self, _key: &StreamKey) -> bool {
+        true
     }
 }
 

@@ -63,6 +63,9 @@ impl Points for KroneckerPoints {
             }
         }
     }
+    fn renew(&mut self, _key: &StreamKey) -> bool {
+        true
+    }
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use super::hash::{splitmix, unit};
 use super::{BELOW_ONE, PointSet, Points};
 use crate::error::StudyError;
+use crate::rng::StreamKey;
 use crate::simd::{self, Isa, Loop};
 
 /// How a point set is made random when its construction is not, or made random once more.
@@ -86,29 +87,64 @@ pub(super) struct Shifted {
     /// The shift, over and over, for [`REPEATS`] points.
     shifts: Vec<f64>,
     fold: bool,
+    /// Whether the points are the same under every key; if so, all of them once they were asked
+    /// for under a second one.
+    fixed: bool,
+    kept: Vec<f64>,
+    n: u64,
 }
+
+/// Most coordinates that are kept.
+const MOST_KEPT: usize = 1 << 14;
 
 /// Points that are shifted at a time.
 const REPEATS: usize = 32;
 
 impl Shifted {
-    /// `fold` makes it [`Scramble::Tent`].
-    pub(super) fn new(points: Box<dyn Points>, set: &PointSet, fold: bool) -> Self {
-        // No sampler uses the last number of its stream's scramble bits.
-        let key = splitmix(set.key.stream().scramble_bits(), u64::MAX);
-        let mut shifts = Vec::with_capacity(REPEATS * set.dim);
-        shifts.extend((0..set.dim as u64).map(|axis| unit(splitmix(key, axis))));
-        for _ in 1..REPEATS {
-            shifts.extend_from_within(..set.dim);
-        }
-        Self { points, shifts, fold }
+    /// The scramble is [`Scramble::TorusShift`] or [`Scramble::Tent`]; `fixed` are points that are
+    /// the same under every key.
+    pub(super) fn new(points: Box<dyn Points>, set: &PointSet, fixed: bool) -> Self {
+        let mut shifts = vec![0.0; REPEATS * set.dim];
+        shift(&mut shifts, &set.key);
+        let (fold, n) = (set.scramble == Scramble::Tent, set.key.n_samples);
+        Self { points, shifts, fold, fixed, kept: Vec::new(), n }
+    }
+}
+
+/// The shift of a key, over and over.
+fn shift(shifts: &mut [f64], key: &StreamKey) {
+    // No sampler uses the last number of its stream's scramble bits.
+    let key = splitmix(key.stream().scramble_bits(), u64::MAX);
+    let dim = shifts.len() / REPEATS;
+    for (axis, shift) in (0..).zip(&mut shifts[..dim]) {
+        *shift = unit(splitmix(key, axis));
+    }
+    for repeat in 1..REPEATS {
+        shifts.copy_within(..dim, repeat * dim);
     }
 }
 
 impl Points for Shifted {
     fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
-        self.points.fill_with(isa, first, points);
+        if self.kept.is_empty() {
+            self.points.fill_with(isa, first, points);
+        } else {
+            let at = first as usize * (self.shifts.len() / REPEATS);
+            points.copy_from_slice(&self.kept[at..][..points.len()]);
+        }
         simd::run(isa, ShiftLoop { shifts: &self.shifts, points, fold: self.fold });
+    }
+    fn renew(&mut self, key: &StreamKey) -> bool {
+        let renewed = self.points.renew(key);
+        if renewed {
+            shift(&mut self.shifts, key);
+            let coordinates = (self.n as usize).saturating_mul(self.shifts.len() / REPEATS);
+            if self.fixed && self.kept.is_empty() && coordinates <= MOST_KEPT {
+                self.kept.resize(coordinates, 0.0);
+                self.points.fill(0, &mut self.kept);
+            }
+        }
+        renewed
     }
 }
 
@@ -173,7 +209,8 @@ mod tests {
     fn extreme_points_stay_in_the_unit_interval() {
         for shift in [0.0, f64::MIN_POSITIVE, 0.5, BELOW_ONE] {
             for fold in [false, true] {
-                let shifted = Shifted { points: Box::new(Extremes), shifts: vec![shift], fold };
+                let (points, shifts, kept) = (Box::new(Extremes), vec![shift], Vec::new());
+                let shifted = Shifted { points, shifts, fold, fixed: false, kept, n: 4 };
                 let mut points = [0.0; 4];
                 shifted.fill(0, &mut points);
                 assert!(points.iter().all(|x| (0.0..1.0).contains(x)), "{shift}: {points:?}");

@@ -6,6 +6,7 @@ use super::owen::{DigitScramble, Indices, NestedUniform, OwnBits};
 use super::permutation::Permutation;
 use super::scramble::Scramble;
 use super::target::Target;
+use crate::rng::StreamKey;
 use crate::simd::{self, BLOCK, Isa, Loop};
 use std::ops::Range;
 
@@ -54,6 +55,16 @@ impl ZeroTwo {
         Self { axes: [axis(0), axis(1)], own: splitmix(key, 2), start, order }
     }
 
+    /// The same sequence scrambled by another key, in an order named by `order_key`.
+    fn renew(&mut self, scramble: Scramble, key: u64, levels: u32, order_key: u64) {
+        let start = self.start;
+        if let Order::Permuted(order) = &mut self.order {
+            order.renew(order_key);
+        }
+        let order = std::mem::replace(&mut self.order, Order::Kept);
+        *self = Self::new(scramble, key, levels, start, order);
+    }
+
     /// Both coordinates of the set's points `first .. first + len`, at most a block.
     #[inline(always)]
     fn block(&self, first: u64, len: usize) -> [[f64; BLOCK]; 2] {
@@ -83,6 +94,14 @@ impl ZeroTwo {
 pub(super) struct PaddedPoints {
     pub(super) pairs: Vec<ZeroTwo>,
     pub(super) dim: usize,
+    /// How many digits are scrambled, and how, where nothing but [`pair_keys`] comes from a key.
+    pub(super) scrambled: Option<(Scramble, u32)>,
+}
+
+/// Keys of a pair of coordinates, and of their order.
+pub(super) fn pair_keys(bits: u64, pair: u64) -> [u64; 2] {
+    let key = splitmix(bits, pair);
+    [key, splitmix(key, u64::MAX)]
 }
 
 impl PaddedPoints {
@@ -100,6 +119,15 @@ impl Points for PaddedPoints {
     }
     fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
         self.write(isa, first, &mut Target::Centred(columns));
+    }
+    fn renew(&mut self, key: &StreamKey) -> bool {
+        let Some((scramble, levels)) = self.scrambled else { return false };
+        let bits = key.stream().scramble_bits();
+        for (pair, sequence) in (0..).zip(&mut self.pairs) {
+            let [key, order_key] = pair_keys(bits, pair);
+            sequence.renew(scramble, key, levels, order_key);
+        }
+        true
     }
 }
 

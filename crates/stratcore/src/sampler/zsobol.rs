@@ -63,7 +63,7 @@ impl Sampler for ZSobol {
             ZeroTwo::new(set.scramble, key, 32, start, order)
         };
         let pairs = (0..set.dim.div_ceil(2) as u64).map(pair).collect();
-        Box::new(PaddedPoints { pairs, dim: set.dim })
+        Box::new(PaddedPoints { pairs, dim: set.dim, scrambled: None })
     }
 }
 
