@@ -91,7 +91,7 @@ impl MemoryFacts {
                 + size_of_val(&**materials),
             bvh: size_of_val(&*bvh.nodes)
                 + size_of_val(&*bvh.primitive_indices)
-                + size_of_val(accel.corners()),
+                + size_of_val(accel.rounded_corners()),
         }
     }
 }

@@ -2,39 +2,43 @@
 
 use crate::beam::affine::CentredFrame;
 use crate::simd::{self, Isa};
-use crate::trace::Accel;
-use glam::DVec3;
+use crate::trace::{Accel, LEAF};
+use glam::{DVec3, Vec3A, Vec4};
 use obvhs::aabb::Aabb;
 use std::array::from_fn;
 
-/// Triangles that are sieved together.
+/// From so many triangles on those found are sieved.
 const BATCH: usize = 16;
 /// Triangles that pass and are shown together, at first and at most: more and more of them, for
 /// where the first few hide nothing, the next will not either.
 const PATIENCE: [usize; 2] = [2, 64];
+/// Nodes that are opened together, at most: their memory and their arithmetic then overlap.
+const WIDTH: usize = 4;
+/// Lanes of the sieve: a multiple of every vector's length.
+const LANES: usize = 32;
 
 /// The pixel's pyramid from the eye.
-pub(crate) struct Frustum {
+pub(super) struct Frustum {
     /// A point P relative to the eye is seen at (s, t) = (P·columns, P·rows) / P·forward.
-    columns: DVec3,
-    rows: DVec3,
+    pub columns: DVec3,
+    pub rows: DVec3,
     /// View direction: P·forward is the ray parameter of the pixel's directions.
-    forward: DVec3,
+    pub forward: DVec3,
     /// Largest component of the three.
-    scale: f64,
-    /// Inward unit normals of the four sides by component, for conservative tests in f32.
-    normals: [[f32; 4]; 3],
-    /// Columns, rows and forward, for the same, and the largest sum of components of one.
+    pub scale: f64,
+    /// Inward unit normals of the four sides by component, for conservative tests of boxes in
+    /// f32: what is positive of them, which a box's upper end reaches farthest along, and what
+    /// is negative.
+    positive: [Vec4; 3],
+    negative: [Vec4; 3],
+    /// Forward likewise, and its largest component.
+    forward_positive: Vec3A,
+    forward_negative: Vec3A,
+    forward_scale: f32,
+    /// Columns, rows and forward, for the same of triangles, and the largest sum of components
+    /// of one.
     axes: [[f32; 3]; 3],
     reach: f32,
-}
-
-/// What a pixel sees of a triangle, at the most.
-pub(crate) struct Seen {
-    /// From row to row, t of the pixel.
-    pub rows: [f64; 2],
-    /// Greatest 1/t of its corners; infinite if one is behind the eye, or nearly.
-    pub inverse_depth: f64,
 }
 
 impl Frustum {
@@ -43,220 +47,212 @@ impl Frustum {
         let volume = du.cross(dv).dot(dc);
         let [columns, rows, forward] =
             [dv.cross(dc), dc.cross(du), du.cross(dv)].map(|n| n / volume);
-        let sides = [forward * 0.5 + columns, forward * 0.5 - columns, forward * 0.5 + rows]
-            .map(DVec3::normalize);
-        let sides = [sides[0], sides[1], sides[2], (forward * 0.5 - rows).normalize()];
-        let normals = from_fn(|axis| sides.map(|n| n[axis] as f32));
+        let sides = [columns, -columns, rows, -rows].map(|n| (forward * 0.5 + n).normalize());
+        let normals: [Vec4; 3] = from_fn(|axis| Vec4::from_array(sides.map(|n| n[axis] as f32)));
         let scale = columns.abs().max(rows.abs()).max(forward.abs()).max_element();
         let axes = [columns, rows, forward];
         let reach = axes.map(|n| n.abs().element_sum()).into_iter().fold(0.0, f64::max) as f32;
         let axes = axes.map(|n| n.as_vec3().to_array());
-        Self { columns, rows, forward, scale, normals, axes, reach }
+        let ahead = forward.as_vec3a();
+        Self {
+            columns,
+            rows,
+            forward,
+            scale,
+            positive: normals.map(|n| n.max(Vec4::ZERO)),
+            negative: normals.map(|n| n.min(Vec4::ZERO)),
+            forward_positive: ahead.max(Vec3A::ZERO),
+            forward_negative: ahead.min(Vec3A::ZERO),
+            forward_scale: ahead.abs().max_element(),
+            axes,
+            reach,
+        }
     }
 
-    /// None if the triangle is certainly outside one of the pixel's sides, or the pixel outside
-    /// one of its own.
+    /// Whether some point of the box may lie in the pyramid, false only when one plane has all
+    /// of the box outside by more than rounding; and a lower bound of the view depth of its
+    /// points.
     #[inline(always)]
-    pub fn seen(&self, corners: &[DVec3; 3]) -> Option<Seen> {
-        // Seen at (x, y) / z.
-        let [a, b, c] =
-            corners.map(|p| DVec3::new(p.dot(self.columns), p.dot(self.rows), p.dot(self.forward)));
-        let size = a.abs().max(b.abs()).max(c.abs()).max_element() + self.terms(corners);
-        let slack = -1e-12 * size;
-        let outside = |side: fn(DVec3) -> f64| side(a).max(side(b)).max(side(c)) < slack;
-        if outside(|p| 0.5 * p.z + p.x)
-            || outside(|p| 0.5 * p.z - p.x)
-            || outside(|p| 0.5 * p.z + p.y)
-            || outside(|p| 0.5 * p.z - p.y)
-        {
-            return None;
-        }
-        let volume = a.dot(b.cross(c));
-        let before = |p: DVec3, q: DVec3| {
-            let edge = p.cross(q);
-            edge.z * volume.signum() + 0.5 * (edge.x.abs() + edge.y.abs()) < slack * size
-        };
-        // Seen edge-on, it has no sides to speak of.
-        let has_sides = volume.abs() > -slack * size * size;
-        if has_sides && (before(a, b) || before(b, c) || before(c, a)) {
-            return None;
-        }
-        let least = a.z.min(b.z).min(c.z);
-        if least <= 1e-9 * size {
-            return Some(Seen { rows: [-0.5, 0.5], inverse_depth: f64::INFINITY });
-        }
-        let [a, b, c] = [a.y / a.z, b.y / b.z, c.y / c.z];
-        let rows = [a.min(b).min(c).max(-0.5), a.max(b).max(c).min(0.5)];
-        // Depths round by far less than 1e-12 of `size`.
-        Some(Seen { rows, inverse_depth: (least - 1e-12 * size).recip() })
-    }
-
-    /// The size of the terms that the sides' dot products add up.
-    #[inline(always)]
-    fn terms(&self, corners: &[DVec3; 3]) -> f64 {
-        let [a, b, c] = corners.map(DVec3::abs);
-        a.max(b).max(c).max_element() * self.scale
-    }
-
-    /// Whether some point of the box may lie in the pyramid: false only when one plane has all
-    /// of the box outside by more than rounding.
-    #[inline(always)]
-    fn touches(&self, aabb: &Aabb) -> bool {
-        // 2^-20 of the terms' magnitude: eight times the rounding of normals, products and sums.
-        const SLACK: f32 = 1.0 / (1 << 20) as f32;
-        let mut reach = [0.0f32; 4];
-        let mut size = [0.0f32; 4];
+    fn meets(&self, aabb: &Aabb) -> (bool, f32) {
+        let Aabb { min, max } = *aabb;
+        // 2^-20 of the terms' magnitude: three times the rounding of normals, products and sums.
+        let slack = min.abs().max(max.abs()).element_sum() / (1 << 20) as f32;
+        let mut reach = Vec4::splat(slack);
         for axis in 0..3 {
-            let (lo, hi) = (aabb.min[axis], aabb.max[axis]);
-            for side in 0..4 {
-                let n = self.normals[axis][side];
-                let (a, b) = (n * lo, n * hi);
-                reach[side] += a.max(b);
-                size[side] += a.abs().max(b.abs());
-            }
+            reach += self.positive[axis] * max[axis] + self.negative[axis] * min[axis];
         }
-        (0..4).all(|side| reach[side] >= -SLACK * size[side])
-    }
-
-    /// A lower bound of the view depth of the box's points.
-    #[inline(always)]
-    fn nearest(&self, aabb: &Aabb) -> f32 {
-        let forward = self.forward.as_vec3a();
-        let (a, b) = (forward * aabb.min, forward * aabb.max);
-        let size = a.abs().max(b.abs()).element_sum();
-        a.min(b).element_sum() - size / (1 << 20) as f32
+        let nearest = (self.forward_positive * min + self.forward_negative * max).element_sum();
+        (!reach.cmplt(Vec4::ZERO).any(), nearest - slack * self.forward_scale)
     }
 }
 
-/// Calls `visit` with the slots of the triangles of the leaves that the pyramid may touch, but for those
-/// that are certainly not seen in it; some at a time, nearer leaves first as far as the tree
-/// knows. `visit` returns the view depth beyond which nothing can be seen any more.
-pub(crate) fn gather(accel: &Accel, frustum: &Frustum, mut visit: impl FnMut(&[u32]) -> f32) {
-    let bvh = accel.bvh();
-    let Some(root) = bvh.nodes.first() else { return };
-    if !frustum.touches(&root.aabb) {
-        return;
-    }
-    let mut batch = Batch::default();
-    let mut found = Vec::with_capacity(PATIENCE[1] + BATCH);
+/// Calls `visit` with the triangles of the leaves that the pyramid may touch, but for those that
+/// are certainly not seen in it; some at a time, nearer leaves first as far as the tree knows.
+/// `visit` returns the view depth beyond which nothing can be seen any more.
+pub(super) fn gather(
+    isa: Isa,
+    accel: &Accel,
+    frustum: &Frustum,
+    mut visit: impl FnMut(&[u32]) -> f32,
+) {
+    let (nodes, corners, ids) =
+        (&accel.bvh().nodes[..], accel.rounded_corners(), accel.triangles());
+    let Some(root) = nodes.first() else { return };
+    let mut found = Vec::with_capacity(PATIENCE[1] + 2 * LANES);
     let [mut patience, _] = PATIENCE;
     let mut horizon = f32::INFINITY;
-    let mut stack = Vec::with_capacity(64);
-    stack.push((0u32, frustum.nearest(&root.aabb)));
-    while let Some((index, nearest)) = stack.pop() {
-        if nearest > horizon {
-            continue;
+    // Of triangles in leaves, not yet sieved.
+    let mut slots = [0u32; BATCH + (2 * WIDTH + 1) * LEAF];
+    let mut n_slots = 0;
+    // Of pairs of nodes to be opened, the first, with the depth of what holds both.
+    let mut stack = vec![(0u32, 0f32); 64];
+    let mut top = 0;
+    if root.is_leaf() {
+        n_slots = root.prim_count as usize;
+        slots[..n_slots].copy_from_slice(&from_fn::<u32, LEAF, _>(|k| k as u32)[..n_slots]);
+    } else {
+        stack[0] = (root.first_index, f32::NEG_INFINITY);
+        top = 1;
+    }
+    loop {
+        let n_taken = top.min((patience / 2).min(WIDTH));
+        top -= n_taken;
+        if stack.len() < top + 2 * WIDTH {
+            stack.resize(2 * stack.len(), (0, 0.0));
         }
-        let node = &bvh.nodes[index as usize];
-        if node.prim_count > 0 {
-            for slot in node.first_index..node.first_index + node.prim_count {
-                batch.add(slot, &accel.corners()[slot as usize], accel.eye());
-                if batch.len == BATCH {
-                    batch.sieve(frustum, &mut found);
-                    if found.len() >= patience {
-                        horizon = visit(&found);
-                        found.clear();
-                        patience = PATIENCE[1].min(2 * patience);
-                    }
+        let mut taken = [(0, 0.0); WIDTH];
+        taken.copy_from_slice(&stack[top..top + WIDTH]);
+        for (first, nearest) in &taken[..n_taken] {
+            if *nearest > horizon {
+                continue;
+            }
+            let children = &nodes[*first as usize..*first as usize + 2];
+            let met = [frustum.meets(&children[0].aabb), frustum.meets(&children[1].aabb)];
+            let near = usize::from(met[1].1 < met[0].1);
+            // What a child is, and whether it is met, no processor guesses: both lists are
+            // written, and one grows.
+            for at in [1 - near, near] {
+                let (child, (touched, nearest)) = (&children[at], met[at]);
+                let (is_open, is_leaf) = (touched & !(nearest > horizon), child.is_leaf());
+                // Read later, and in no cache if the tree is large. Each child is the one or the
+                // other, and the first items are there anyway.
+                let first = child.first_index as usize;
+                let [leaf, inner] = if is_leaf { [first, 0] } else { [0, first] };
+                simd::prefetch(nodes, inner);
+                simd::prefetch(nodes, inner + 1);
+                simd::prefetch(corners, leaf);
+                simd::prefetch(ids, leaf);
+                stack[top] = (child.first_index, nearest);
+                top += usize::from(is_open & !is_leaf);
+                for (k, slot) in slots[n_slots..n_slots + LEAF].iter_mut().enumerate() {
+                    *slot = child.first_index.wrapping_add(k as u32);
                 }
-            }
-            continue;
-        }
-        let child = |index: u32| {
-            let aabb = &bvh.nodes[index as usize].aabb;
-            frustum.touches(aabb).then(|| (index, frustum.nearest(aabb)))
-        };
-        match (child(node.first_index), child(node.first_index + 1)) {
-            (Some(a), Some(b)) => {
-                let (near, far) = if a.1 <= b.1 { (a, b) } else { (b, a) };
-                stack.extend([far, near]);
-            }
-            (one, other) => stack.extend(one.or(other)),
-        }
-    }
-    batch.sieve(frustum, &mut found);
-    visit(&found);
-}
-
-/// Triangles that wait to be sieved, corner by corner and component by component.
-#[derive(Default)]
-struct Batch {
-    len: usize,
-    slots: [u32; BATCH],
-    corners: [[[f32; BATCH]; 3]; 3],
-}
-
-impl Batch {
-    #[inline(always)]
-    fn add(&mut self, slot: u32, corners: &[DVec3; 3], eye: DVec3) {
-        for (to, corner) in self.corners.iter_mut().zip(corners) {
-            let relative = (*corner - eye).as_vec3().to_array();
-            for (to, x) in to.iter_mut().zip(relative) {
-                to[self.len] = x;
+                n_slots += usize::from(is_open) * child.prim_count as usize;
             }
         }
-        self.slots[self.len] = slot;
-        self.len += 1;
-    }
-
-    /// Empties the batch; what passes is appended to `found`.
-    fn sieve(&mut self, frustum: &Frustum, found: &mut Vec<u32>) {
-        let mut outside = [false; BATCH];
-        let Frustum { axes, reach, .. } = frustum;
-        let (corners, outside_of) = (&self.corners, &mut outside);
-        simd::run(Isa::detect(), Sieve { axes, reach: *reach, corners, outside: outside_of });
-        for (slot, outside) in self.slots[..self.len].iter().zip(outside) {
-            if !outside {
-                found.push(*slot);
-            }
+        if n_slots >= BATCH || top == 0 {
+            sieve(isa, accel, frustum, &slots[..n_slots], &mut found);
+            n_slots = 0;
         }
-        self.len = 0;
+        if found.len() >= patience || top == 0 {
+            horizon = visit(&found);
+            found.clear();
+            patience = PATIENCE[1].min(2 * patience);
+        }
+        if top == 0 {
+            return;
+        }
     }
 }
 
-/// Finds the triangles that are certainly outside one of the pixel's sides, or have the pixel
-/// outside one of their own.
+/// Appends to `found` the triangles in `slots`, but for those that are certainly outside one of
+/// the pixel's sides or have the pixel outside one of their own.
+fn sieve(isa: Isa, accel: &Accel, frustum: &Frustum, slots: &[u32], found: &mut Vec<u32>) {
+    let Frustum { axes, reach, .. } = *frustum;
+    let (corners, ids) = (accel.rounded_corners(), accel.triangles());
+    for slots in slots.chunks(LANES) {
+        simd::run(isa, Sieve { axes, reach, corners, ids, slots, found });
+    }
+}
+
 struct Sieve<'a> {
-    axes: &'a [[f32; 3]; 3],
+    axes: [[f32; 3]; 3],
     reach: f32,
-    corners: &'a [[[f32; BATCH]; 3]; 3],
-    outside: &'a mut [bool; BATCH],
+    corners: &'a [[[f32; 3]; 3]],
+    ids: &'a [u32],
+    /// At most [`LANES`].
+    slots: &'a [u32],
+    found: &'a mut Vec<u32>,
 }
 
 impl simd::Loop for Sieve<'_> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
+        let Self { axes, reach, ids, slots, found, .. } = self;
+        // Here and not behind references, which might be the same: the loop becomes vectors.
+        let mut corners = [[[0.0; LANES]; 3]; 3];
+        let mut passes = [0u32; LANES];
+        for (l, slot) in slots.iter().enumerate().take(LANES) {
+            let triangle = &self.corners[*slot as usize];
+            for corner in 0..3 {
+                for axis in 0..3 {
+                    corners[corner][axis][l] = triangle[corner][axis];
+                }
+            }
+        }
         // Coordinates, axes, products and sums round by five times 2^-24 of their terms at most.
-        let slack = self.reach / (1 << 20) as f32;
-        let max = |a: f32, b: f32| if a > b { a } else { b };
-        let max3 = |[a, b, c]: [f32; 3]| max(max(a, b), c);
-        let largest = |p: [f32; 3]| max3(p.map(f32::abs));
-        for l in 0..BATCH {
-            let corners: [[f32; 3]; 3] =
-                from_fn(|corner| from_fn(|axis| self.corners[corner][axis][l]));
-            let dot = |n: [f32; 3], p: [f32; 3]| n[0] * p[0] + n[1] * p[1] + n[2] * p[2];
-            // Seen at (x, y) / z, as in `Frustum::seen`, each component wrong by `error` at most.
-            let seen = corners.map(|p| self.axes.map(|n| dot(n, p)));
-            let error = max3(corners.map(largest)) * slack + f32::MIN_POSITIVE;
-            let side = |f: fn([f32; 3]) -> f32| max3(seen.map(f)) < -2.0 * error;
-            let beside = side(|[x, _, z]| 0.5 * z + x)
-                | side(|[x, _, z]| 0.5 * z - x)
-                | side(|[_, y, z]| 0.5 * z + y)
-                | side(|[_, y, z]| 0.5 * z - y);
+        let slack = reach / (1 << 20) as f32;
+        // Whole vectors, for what is left of one is done number by number.
+        for l in 0..slots.len().next_multiple_of(16).min(LANES) {
+            let corner = |i: usize| [corners[i][0][l], corners[i][1][l], corners[i][2][l]];
+            let (p, q, r) = (corner(0), corner(1), corner(2));
+            // Seen at (x, y) / z, as in `facet::SetUp`, each component wrong by `error` at most.
+            let see = |p: [f32; 3]| [dot(axes[0], p), dot(axes[1], p), dot(axes[2], p)];
+            let (a, b, c) = (see(p), see(q), see(r));
+            let error = max3(largest(p), largest(q), largest(r)) * slack + f32::MIN_POSITIVE;
+            let outside = |a: f32, b: f32, c: f32| max3(a, b, c) < -2.0 * error;
+            let beside = outside(0.5 * a[2] + a[0], 0.5 * b[2] + b[0], 0.5 * c[2] + c[0])
+                | outside(0.5 * a[2] - a[0], 0.5 * b[2] - b[0], 0.5 * c[2] - c[0])
+                | outside(0.5 * a[2] + a[1], 0.5 * b[2] + b[1], 0.5 * c[2] + c[1])
+                | outside(0.5 * a[2] - a[1], 0.5 * b[2] - b[1], 0.5 * c[2] - c[1]);
             // An edge's function has products of two components, wrong by 2 · size · error.
-            let size = max3(seen.map(largest)) + error;
-            let cross = |p: [f32; 3], q: [f32; 3]| {
-                [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
-            };
-            let [a, b, c] = seen;
-            let edges = [cross(a, b), cross(b, c), cross(c, a)];
-            let volume = dot(a, edges[1]);
-            let turn = if volume < 0.0 { -1.0 } else { 1.0 };
+            let size = max3(largest(a), largest(b), largest(c)) + error;
+            let (ab, bc, ca) = (cross(a, b), cross(b, c), cross(c, a));
+            let volume = dot(a, bc);
+            let turn = 1f32.copysign(volume);
             let before =
                 |e: [f32; 3]| e[2] * turn + 0.5 * (e[0].abs() + e[1].abs()) < -16.0 * size * error;
             let has_sides = volume.abs() > 64.0 * size * size * error;
-            let within = has_sides & (before(edges[0]) | before(edges[1]) | before(edges[2]));
-            self.outside[l] = beside | within;
+            let within = has_sides & (before(ab) | before(bc) | before(ca));
+            passes[l] = u32::from(!(beside | within));
         }
+        let mut n = found.len();
+        found.resize(n + LANES, 0);
+        for (slot, passes) in slots.iter().zip(&passes) {
+            found[n] = ids[*slot as usize];
+            n += *passes as usize;
+        }
+        found.truncate(n);
     }
+}
+
+#[inline(always)]
+fn max3(a: f32, b: f32, c: f32) -> f32 {
+    let greater = if a > b { a } else { b };
+    if greater > c { greater } else { c }
+}
+
+#[inline(always)]
+fn largest(p: [f32; 3]) -> f32 {
+    max3(p[0].abs(), p[1].abs(), p[2].abs())
+}
+
+#[inline(always)]
+fn dot(p: [f32; 3], q: [f32; 3]) -> f32 {
+    p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
+}
+
+#[inline(always)]
+fn cross(p: [f32; 3], q: [f32; 3]) -> [f32; 3] {
+    [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
 }

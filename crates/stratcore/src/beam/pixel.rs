@@ -1,7 +1,7 @@
 //! One pixel, ready to be sampled.
 
 use crate::beam::affine::{Affine, CentredFrame, Quadratic};
-use crate::beam::facet::Facet;
+use crate::beam::facet::{Facet, SetUp};
 use crate::beam::gather::{Frustum, gather};
 use crate::beam::placed;
 use crate::beam::shade::{Lit, Shade, coefficients};
@@ -27,6 +27,8 @@ thread_local! {
     static WORK: RefCell<Work> = RefCell::default();
     /// The same for samples without strata.
     static SCATTERED: RefCell<Scattered> = RefCell::default();
+    /// Room for facets that are not sorted yet.
+    static FACETS: RefCell<Vec<Facet>> = RefCell::default();
 }
 
 /// A pixel's visible triangles in its own coordinates; the integrand of a study.
@@ -71,7 +73,8 @@ impl PixelBeam {
             return None;
         }
         let centred = CentredFrame::new(frame);
-        let facets = visible_facets(scene, accel, &centred);
+        let isa = Isa::detect();
+        let facets = visible_facets(isa, scene, accel, &centred);
         // Far apart in memory: asked for side by side, they arrive together.
         let materials: Vec<u32> =
             facets.iter().map(|facet| scene.mesh.materials[facet.triangle as usize]).collect();
@@ -121,7 +124,7 @@ impl PixelBeam {
                 length_squared: coefficients(&length_squared),
             },
         };
-        let (isa, occluders) = (Isa::detect(), all_occluders);
+        let occluders = all_occluders;
         Some(Self {
             isa,
             centred,
@@ -322,33 +325,30 @@ impl Integrand for PixelBeam {
     }
 }
 
-/// Facets of the triangles that are not certainly hidden, nearest leaf first.
-fn visible_facets(scene: &Scene, accel: &Accel, centred: &CentredFrame) -> Vec<Facet> {
-    let eye = scene.camera.eye;
-    let frustum = Frustum::new(centred);
-    let mut facets: Vec<Facet> = Vec::new();
-    // 1/t that some covering facet reaches everywhere in the pixel.
-    let mut horizon = 0.0;
-    gather(accel, &frustum, |slots| {
-        for &slot in slots {
-            let (id, corners) = (accel.triangle(slot), &accel.corners()[slot as usize]);
-            let Some(facet) = Facet::new(corners, id, eye, centred, &frustum) else { continue };
-            if facet.nearest < horizon * (1.0 - 1e-9) {
-                continue;
-            }
-            if facet.covers() {
-                horizon = facet.farthest_in_pixel().max(horizon);
-            }
-            facets.push(facet);
-        }
-        (horizon.recip() * (1.0 + 1e-6)) as f32
-    });
-    facets.retain(|facet| facet.nearest >= horizon * (1.0 - 1e-9));
-    // In no way that depends on the tree, whose boxes round with the units of the scene.
-    let mut order: Vec<_> =
-        facets.iter().map(|facet| (facet.nearest, facet.triangle)).zip(0..).collect();
-    order.sort_unstable_by(|((a, i), _), ((b, j), _)| b.total_cmp(a).then(i.cmp(j)));
-    order.into_iter().map(|(_, at): (_, usize)| facets[at]).collect()
+/// Facets of the triangles that are not certainly hidden, nearest first.
+fn visible_facets(isa: Isa, scene: &Scene, accel: &Accel, centred: &CentredFrame) -> Vec<Facet> {
+    let (mesh, eye) = (&scene.mesh, scene.camera.eye);
+    let frustum = &Frustum::new(centred);
+    FACETS.with_borrow_mut(|facets| {
+        facets.clear();
+        let mut horizon = 0.0;
+        gather(isa, accel, frustum, |ids| {
+            let horizon = &mut horizon;
+            simd::run(isa, SetUp { mesh, ids, eye, centred, frustum, horizon, facets });
+            (horizon.recip() * (1.0 + 1e-6)) as f32
+        });
+        // In no way that depends on the tree, whose boxes round with the units of the scene.
+        let key = |facet: &Facet, at: u32| {
+            // Bits of positive numbers rise with them.
+            let farness = u128::from(!facet.nearest.to_bits());
+            farness << 64 | u128::from(facet.triangle) << 32 | u128::from(at)
+        };
+        let is_seen = |facet: &Facet| facet.nearest >= horizon * (1.0 - 1e-9);
+        let seen = facets.iter().zip(0..).filter(|(facet, _)| is_seen(facet));
+        let mut order: Vec<u128> = seen.map(|(facet, at)| key(facet, at)).collect();
+        order.sort_unstable();
+        order.into_iter().map(|key| facets[key as u32 as usize]).collect()
+    })
 }
 
 /// The power of two next to the greatest 1/t of the pixel. In units of it f32 holds the cube of

@@ -369,3 +369,12 @@ fn a_cancelled_row_ends() {
         assert!(beam.trial_means(sampler, &set, 0, &mut means, &cancel));
     }
 }
+
+/// Beyond scene and tree, which rays need as well.
+#[test]
+fn a_million_triangles_take_less_than_64_mib() {
+    let traced = TracedScene::new(scene::load("classic").unwrap());
+    let bytes = size_of_val(traced.accel().rounded_corners());
+    let n_triangles = traced.scene().mesh.triangles.len();
+    assert!(bytes * 1_080_548 < n_triangles * (64 << 20), "{bytes} bytes for {n_triangles}");
+}

@@ -241,6 +241,21 @@ pub(crate) fn values_at(
     dispatch!(isa, values_at(pixel, cells, positions, values, sorted, exact));
 }
 
+/// Asks memory for an item that will be read soon, if there is such an item. A hint: nothing
+/// waits for it, and nothing depends on it.
+#[inline(always)]
+pub(crate) fn prefetch<T>(items: &[T], index: usize) {
+    #[cfg(target_arch = "x86_64")]
+    {
+        use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+        let item = items.as_ptr().wrapping_add(index);
+        // SAFETY: part of x86-64; any address may be asked for, it is not read.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(item.cast()) };
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = (items, index);
+}
+
 /// What fills each cell of a grid over the pixel.
 pub(crate) fn cells(isa: Isa, pixel: &Pixel32, per_axis: u32) -> Cells {
     dispatch!(isa, cells(pixel, per_axis))

@@ -11,11 +11,14 @@ use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 /// A binary BVH whose f32 boxes, relative to the eye, certainly contain the f64 triangles.
 pub struct Accel {
     bvh: Bvh2,
-    /// Corners of the triangle in each slot. Those of neighbours lie side by side, where the
-    /// mesh may have spread them over all memory.
-    corners: Vec<[DVec3; 3]>,
+    /// Corners of the triangle in each slot, relative to the eye, rounded. Those of neighbours
+    /// lie side by side, where the mesh may have spread them over all memory.
+    rounded_corners: Vec<[[f32; 3]; 3]>,
     eye: DVec3,
 }
+
+/// Triangles of a leaf, at most.
+pub(crate) const LEAF: usize = 8;
 
 impl Accel {
     /// Builds the tree. Triangles that no ray can meet (zero area, or a coordinate that is not
@@ -48,8 +51,9 @@ impl Accel {
         let boxes: Vec<Aabb> =
             ids.iter().map(|id| padded_box(swept(id).as_flattened(), pad)).collect();
         let bvh = build_tree(&boxes, &ids);
-        let corners = bvh.primitive_indices.iter().map(|id| mesh.corners(*id as usize)).collect();
-        Self { bvh, corners, eye }
+        let rounded = |id: &u32| corners(*id).map(|p| p.as_vec3().to_array());
+        let rounded_corners = bvh.primitive_indices.iter().map(rounded).collect();
+        Self { bvh, rounded_corners, eye }
     }
 
     /// The tree. A leaf's primitives are slots; [`Accel::triangle`] gives their triangles.
@@ -57,14 +61,19 @@ impl Accel {
         &self.bvh
     }
 
-    /// The corners of the triangle in each slot, as in the mesh.
-    pub fn corners(&self) -> &[[DVec3; 3]] {
-        &self.corners
+    /// The corners of the triangle in each slot, relative to the eye and rounded to f32.
+    pub fn rounded_corners(&self) -> &[[[f32; 3]; 3]] {
+        &self.rounded_corners
     }
 
     /// What the boxes are relative to.
     pub fn eye(&self) -> DVec3 {
         self.eye
+    }
+
+    /// The triangle in each slot of the tree.
+    pub(crate) fn triangles(&self) -> &[u32] {
+        &self.bvh.primitive_indices
     }
 
     /// The triangle in a slot of the tree.
@@ -135,14 +144,15 @@ fn build_tree(boxes: &[Aabb], triangles: &[u32]) -> Bvh2 {
     );
     let mut optimizer = ReinsertionOptimizer::default();
     optimizer.run(&mut bvh, 0.05, None);
-    collapse(&mut bvh, 8, 2.0);
+    collapse(&mut bvh, LEAF as u32, 2.0);
     optimizer.run(&mut bvh, 0.1, None);
     // Neighbours in the tree become neighbours in memory.
     bvh.reorder_in_stack_traversal_order();
     let mut ordered = Vec::with_capacity(triangles.len());
     for node in bvh.nodes.iter_mut().filter(|node| node.is_leaf()) {
-        let first = node.first_index as usize;
-        let leaf = &bvh.primitive_indices[first..first + node.prim_count as usize];
+        let (first, count) = (node.first_index as usize, node.prim_count as usize);
+        assert!(count <= LEAF, "a leaf of {count} triangles");
+        let leaf = &bvh.primitive_indices[first..first + count];
         node.first_index = ordered.len() as u32;
         ordered.extend(leaf.iter().map(|primitive| triangles[*primitive as usize]));
     }

@@ -14,6 +14,7 @@ mod tracer;
 mod triangle;
 
 pub use accel::Accel;
+pub(crate) use accel::LEAF;
 pub use filtered::Filtered;
 pub use integrand::{PixelIntegrand, Route, Tracer};
 pub use rays::Radiance;
