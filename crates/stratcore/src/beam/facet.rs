@@ -200,9 +200,8 @@ impl Lanes {
                 let radius = 0.5 * (function[1].abs() + function[2].abs());
                 may_be_seen &= (magnitude > 0.0) & (function[0] + radius >= -1e-9);
                 covers &= function[0] - radius > 1e-9;
-                for k in 0..3 {
-                    self.edges[i][k][l] = function[k];
-                }
+                let [c, s, t] = &mut self.edges[i];
+                [c[l], s[l], t[l]] = function;
             }
             let normal = scaled(normal, orientation / length);
             let inverse_depth = [dot(normal, dc), dot(normal, du), dot(normal, dv)];

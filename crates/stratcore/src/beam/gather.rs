@@ -133,7 +133,8 @@ pub(super) fn gather(
             // written, and one grows.
             for at in [1 - near, near] {
                 let (child, (touched, nearest)) = (&children[at], met[at]);
-                let (is_open, is_leaf) = (touched & !(nearest > horizon), child.is_leaf());
+                let is_hidden = nearest > horizon;
+                let (is_open, is_leaf) = (touched & !is_hidden, child.is_leaf());
                 // Read later, and in no cache if the tree is large. Each child is the one or the
                 // other, and the first items are there anyway.
                 let first = child.first_index as usize;
