@@ -104,7 +104,7 @@ pub fn limit(sampler: &str, scramble: Scramble, needs: &Needs) -> Option<Limit> 
             Some(_) => (1.0 + 1.0 / d, source),
             None => (1.0 + 2.0 / d, source),
         };
-        needs.is_sure().then_some(()).and_then(|()| equals(exponent, source))
+        if needs.is_sure() { equals(exponent, source) } else { None }
     };
     let in_nets = |jumping_axes| {
         let known = needs.is_sure() && !needs.has_detail();

@@ -136,7 +136,7 @@ fn filter<V: Vector>(
         let mut entry = entries[at as usize];
         let facet = &pixel.facets[entry.facet as usize];
         let range = V::range(&facet.lanes, &extent);
-        entry.w_hi = (range.last[1] + facet.w_slack).min(facet.w_hi);
+        entry.w_hi = (range.last[1] + 3.0 * facet.w_slack).min(facet.w_hi);
         if range.below & all_edges != 0 || entry.w_hi < horizon {
             continue;
         }
