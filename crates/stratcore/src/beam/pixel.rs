@@ -10,8 +10,8 @@ use crate::integrand::Integrand;
 use crate::sampler::{Placement, PointSet, Sampler, Scramble};
 use crate::scene::{Channel, Distribution, Light, PixelFrame, Scene};
 use crate::simd::{
-    self, Cells, Entry, Facet32, Ground, Isa, Lanes4, Pixel32, Scattered, Shading, Sorted, Strata,
-    Trials, Work,
+    self, Anywhere, Cells, Entry, Facet32, Ground, Isa, Lanes4, Pixel32, Scattered, Shading,
+    Sorted, Strata, Trials, Work,
 };
 use crate::trace::Accel;
 use std::cell::RefCell;
@@ -306,8 +306,8 @@ impl Integrand for PixelBeam {
             }
             (Placement::Independent, _, Ok(n)) => {
                 SCATTERED.with_borrow_mut(|room| {
-                    let cells = self.cells();
-                    simd::scattered_sums(isa, pixel, cells, n, &trials, means, room, &settle);
+                    let samples = Anywhere { n, cells: self.cells() };
+                    simd::scattered_sums(isa, pixel, samples, &trials, means, room, &settle);
                 });
             }
             _ => {

@@ -645,13 +645,8 @@ mod tests {
             for (at, count) in (0..).zip(counts) {
                 let [i, j, x, y] = [n * n * n, n * n, n, 1].map(|place| at / place % n);
                 let share = match (i == j, i % base == j % base) {
-                    (true, _) => {
-                        if x == y {
-                            1.0 / n as f64
-                        } else {
-                            0.0
-                        }
-                    }
+                    (true, _) if x == y => 1.0 / n as f64,
+                    (true, _) => 0.0,
                     // They share the first digit and differ in the second.
                     (_, true) if x / base == y / base && x != y => 1.0 / (n * (base - 1)) as f64,
                     (_, false) if x / base != y / base => 1.0 / (n * (n - base)) as f64,

@@ -33,7 +33,7 @@ use std::sync::OnceLock;
 pub(crate) use cells::{Cells, Sorted};
 pub(crate) use draw::Trials;
 pub(crate) use fill::{BLOCK, Divisor, Loop, run};
-pub(crate) use scatter::Scattered;
+pub(crate) use scatter::{Anywhere, Scattered};
 pub(crate) use types::{
     Entry, Exact, Facet32, Ground, Lanes4, Pixel32, Rect, Shading, Strata, Work,
 };
@@ -109,7 +109,7 @@ macro_rules! shaded {
 macro_rules! compiled_for {
     ($module:ident, $features:literal, $vector:ty) => {
         mod $module {
-            use super::scatter::Scattered;
+            use super::scatter::{Anywhere, Scattered};
             use super::shader::{Directional, Point, Polynomial, WideHeadlight};
             use super::{Cells, Exact, Group, Pixel32, Shading, Sorted, Strata, Trials, Work};
             use super::{dissect, scatter, strata};
@@ -136,8 +136,7 @@ macro_rules! compiled_for {
             #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
             pub(super) fn scattered_sums(
                 pixel: &Pixel32,
-                cells: &Cells,
-                n: u32,
+                samples: Anywhere<'_>,
                 trials: &Trials<'_>,
                 sums: &mut [f64],
                 room: &mut Scattered,
@@ -145,7 +144,7 @@ macro_rules! compiled_for {
             ) {
                 let (mut groups, spread) = Group::<V>::all(trials, sums.len());
                 let drawn = Drawn { groups: &mut groups, spread, cancel: trials.cancel };
-                shaded!(V, scatter::scattered_sums(pixel, cells, n, drawn, room, exact));
+                shaded!(V, scatter::scattered_sums(pixel, samples, drawn, room, exact));
                 Group::store(&groups, sums);
             }
 
@@ -213,18 +212,17 @@ pub(crate) fn strata_sums(
     dispatch!(isa, strata_sums(pixel, strata, trials, sums, work, exact));
 }
 
-/// The same for `n` samples that may lie anywhere, found through the pixel's cells.
+/// The same for samples that may lie anywhere.
 pub(crate) fn scattered_sums(
     isa: Isa,
     pixel: &Pixel32,
-    cells: &Cells,
-    n: u32,
+    samples: Anywhere<'_>,
     trials: &Trials<'_>,
     sums: &mut [f64],
     room: &mut Scattered,
     exact: Exact<'_>,
 ) {
-    dispatch!(isa, scattered_sums(pixel, cells, n, trials, sums, room, exact));
+    dispatch!(isa, scattered_sums(pixel, samples, trials, sums, room, exact));
 }
 
 /// Overwrites `values` with those at positions (s, t) about the pixel's centre; `sorted` is room

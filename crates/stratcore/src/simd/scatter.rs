@@ -95,12 +95,11 @@ fn run<S: Shader, V: Vector>(
     }
 }
 
-/// Adds to each trial's sum the values of its `n` samples, which may lie anywhere.
+/// Adds to each trial's sum the values of its samples, which may lie anywhere.
 #[inline(always)]
 pub(super) fn scattered_sums<S: Shader, V: Vector>(
     pixel: &Pixel32,
-    cells: &Cells,
-    n: u32,
+    samples: Anywhere<'_>,
     drawn: Drawn<'_, V>,
     room: &mut Scattered,
     exact: Exact<'_>,
@@ -108,6 +107,7 @@ pub(super) fn scattered_sums<S: Shader, V: Vector>(
     /// Samples that are sorted together: enough for a vector in most cells, few enough for a
     /// near cache.
     const ROUND: usize = 1 << 13;
+    let Anywhere { n, cells } = samples;
     let Drawn { groups, cancel, .. } = drawn;
     if cells.is_single() {
         let (fill, _) = cells.fills[0];
@@ -148,6 +148,13 @@ pub(super) fn scattered_sums<S: Shader, V: Vector>(
             }
         }
     }
+}
+
+/// Samples that may lie anywhere in the pixel: so many, found through its cells.
+#[derive(Clone, Copy)]
+pub(crate) struct Anywhere<'a> {
+    pub n: u32,
+    pub cells: &'a Cells,
 }
 
 /// Room for samples on their way into the order of the cells and back.
