@@ -153,24 +153,11 @@ impl Loop for PowerSums<'_> {
     fn run<const FMA: bool>(self) {
         let Self { values, pivot, shift, factor, sums } = self;
         let mut powers = [[CompensatedSum::default(); LANES]; 3];
-        let [second, third, fourth] = &mut powers;
         let (blocks, rest) = values.as_chunks::<LANES>();
         for block in blocks {
-            for lane in 0..LANES {
-                let d = ((block[lane] - pivot) - shift) * factor;
-                let square = d * d;
-                second[lane].add(square);
-                third[lane].add(square * d);
-                fourth[lane].add(square * square);
-            }
+            add_powers(&mut powers, block, |x| ((x - pivot) - shift) * factor);
         }
-        for (lane, x) in rest.iter().enumerate() {
-            let d = ((x - pivot) - shift) * factor;
-            let square = d * d;
-            second[lane].add(square);
-            third[lane].add(square * d);
-            fourth[lane].add(square * square);
-        }
+        add_powers(&mut powers, rest, |x| ((x - pivot) - shift) * factor);
         for (sum, lanes) in sums.iter_mut().zip(powers) {
             let mut total = CompensatedSum::default();
             for lane in lanes {
@@ -179,6 +166,22 @@ impl Loop for PowerSums<'_> {
             }
             *sum = total.total();
         }
+    }
+}
+
+/// Adds the powers of each value's deviation to the sums of its lane.
+#[inline(always)]
+fn add_powers(
+    [second, third, fourth]: &mut [[CompensatedSum; LANES]; 3],
+    values: &[f64],
+    deviation: impl Fn(f64) -> f64,
+) {
+    for (lane, &x) in values.iter().enumerate() {
+        let d = deviation(x);
+        let square = d * d;
+        second[lane].add(square);
+        third[lane].add(square * d);
+        fourth[lane].add(square * square);
     }
 }
 

@@ -8,6 +8,7 @@
 
 use crate::beam::affine::{Affine, CentredFrame};
 use crate::beam::gather::Frustum;
+use crate::beam::numbers::{cross, dot, largest, max, max3, min, scaled, sub};
 use crate::scene::Mesh;
 use crate::simd;
 use glam::DVec3;
@@ -254,47 +255,6 @@ pub(super) fn ordered_edges(corner: &[DVec3; 3]) -> [(usize, usize, f64); 3] {
 fn in_order(p: [f64; 3], q: [f64; 3]) -> bool {
     let below = (p[1] < q[1]) | ((p[1] == q[1]) & (p[2] < q[2]));
     (p[0] < q[0]) | ((p[0] == q[0]) & below)
-}
-
-/// One instruction of a vector, which [`f64::max`] is not.
-#[inline(always)]
-fn max(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-#[inline(always)]
-fn min(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
-}
-
-#[inline(always)]
-fn max3(a: f64, b: f64, c: f64) -> f64 {
-    max(max(a, b), c)
-}
-
-#[inline(always)]
-fn largest(p: [f64; 3]) -> f64 {
-    max3(p[0].abs(), p[1].abs(), p[2].abs())
-}
-
-#[inline(always)]
-fn sub(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
-    [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
-}
-
-#[inline(always)]
-fn scaled(p: [f64; 3], factor: f64) -> [f64; 3] {
-    [p[0] * factor, p[1] * factor, p[2] * factor]
-}
-
-#[inline(always)]
-fn dot(p: [f64; 3], q: [f64; 3]) -> f64 {
-    p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
-}
-
-#[inline(always)]
-fn cross(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
-    [p[1] * q[2] - q[1] * p[2], p[2] * q[0] - q[2] * p[0], p[0] * q[1] - q[0] * p[1]]
 }
 
 #[inline(always)]

@@ -1,6 +1,7 @@
 //! Which triangles can a pixel see? One walk of the BVH with the pixel's four planes.
 
 use crate::beam::affine::CentredFrame;
+use crate::beam::numbers::{cross, dot, largest, max3};
 use crate::simd::{self, Isa};
 use crate::trace::{Accel, LEAF};
 use glam::{DVec3, Vec3A, Vec4};
@@ -235,25 +236,4 @@ impl simd::Loop for Sieve<'_> {
         }
         found.truncate(n);
     }
-}
-
-#[inline(always)]
-fn max3(a: f32, b: f32, c: f32) -> f32 {
-    let greater = if a > b { a } else { b };
-    if greater > c { greater } else { c }
-}
-
-#[inline(always)]
-fn largest(p: [f32; 3]) -> f32 {
-    max3(p[0].abs(), p[1].abs(), p[2].abs())
-}
-
-#[inline(always)]
-fn dot(p: [f32; 3], q: [f32; 3]) -> f32 {
-    p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
-}
-
-#[inline(always)]
-fn cross(p: [f32; 3], q: [f32; 3]) -> [f32; 3] {
-    [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]
 }

@@ -8,6 +8,7 @@ mod affine;
 mod area;
 mod facet;
 mod gather;
+mod numbers;
 mod pixel;
 mod placed;
 mod shade;

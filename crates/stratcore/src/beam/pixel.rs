@@ -264,7 +264,9 @@ impl Integrand for PixelBeam {
         let axis = |axis: usize| points.chunks_exact(2).map(move |p| (p[axis] - 0.5) as f32);
         let (s, t): (Vec<f32>, Vec<f32>) = (axis(0).collect(), axis(1).collect());
         let mut found = vec![0.0; values.len()];
-        self.values_at([&s, &t], &mut found, &mut Sorted::default());
+        SCATTERED.with_borrow_mut(|room| {
+            self.values_at([&s, &t], &mut found, &mut room.sorted);
+        });
         for (value, found) in values.iter_mut().zip(found) {
             *value = self.ground + f64::from(found);
         }
@@ -310,13 +312,12 @@ impl Integrand for PixelBeam {
                     simd::scattered_sums(isa, pixel, samples, &trials, means, room, &settle);
                 });
             }
-            _ => {
-                let mut sorted = Sorted::default();
+            _ => SCATTERED.with_borrow_mut(|room| {
                 let evaluate = |positions: [&[f32]; 2], values: &mut [f32]| {
-                    self.values_at(positions, values, &mut sorted);
+                    self.values_at(positions, values, &mut room.sorted);
                 };
                 placed::sums(isa, sampler, set, first_trial, means, cancel, evaluate);
-            }
+            }),
         }
         for mean in means {
             *mean = self.ground + *mean / n as f64;

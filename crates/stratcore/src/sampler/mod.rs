@@ -18,6 +18,7 @@ mod jittered;
 mod jittered_padded;
 mod lhs;
 mod memo;
+mod nested;
 mod oa;
 mod owen;
 mod padded;

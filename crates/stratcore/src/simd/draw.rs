@@ -107,12 +107,12 @@ impl<V: Vector> Words<V> {
 }
 
 impl<V: Vector> Spread<V> {
-    /// None where the trials leave room for less than eight strata, which would gain nothing,
-    /// and for three trials.
+    /// None where the trials leave room for less than eight strata, which would gain nothing: one
+    /// or two trials remain.
     #[inline(always)]
     fn new(words: [&[u32]; 2], n_trials: usize) -> Option<Self> {
         let n_strata = V::LANES / n_trials;
-        if n_strata < 8 || !matches!(n_trials, 1 | 2) {
+        if n_strata < 8 {
             return None;
         }
         let mut strata = [0; MAX_LANES];

@@ -1,6 +1,8 @@
 //! Vector instructions, chosen at run time: the only module with `unsafe`.
 //!
-//! The loops are written once for any vector, in functions that must stay `inline(always)`.
+//! The loops are written once for any vector, in functions that must stay `inline(always)`; a
+//! closure over vectors in `array::map` or `fold` need not be inlined, and runs without the
+//! instruction set if it is not.
 //! Here they are compiled once for each instruction set and once without any: that plain twin
 //! is what tests compare with, and what runs on a machine that has none of the others. All give
 //! the same bits. On 64-bit ARM the twin is what the compiler makes of it with NEON; there is no
@@ -142,9 +144,12 @@ macro_rules! compiled_for {
                 room: &mut Scattered,
                 exact: Exact<'_>,
             ) {
-                let (mut groups, spread) = Group::<V>::all(trials, sums.len());
-                let drawn = Drawn { groups: &mut groups, spread, cancel: trials.cancel };
-                shaded!(V, scatter::scattered_sums(pixel, samples, drawn, room, exact));
+                let (mut groups, _) = Group::<V>::all(trials, sums.len());
+                let cancel = trials.cancel;
+                shaded!(
+                    V,
+                    scatter::scattered_sums(pixel, samples, &mut groups, room, exact, cancel)
+                );
                 Group::store(&groups, sums);
             }
 

@@ -2,13 +2,13 @@
 
 use super::cells::Sorted;
 use super::dissect::Fill;
+use super::draw::Group;
 use super::shader::{Shader, affine};
-use super::strata::Drawn;
 use super::types::Exact;
 use super::vector::{MAX_LANES, Vector};
 use super::visible::visible;
 use super::{Cells, Pixel32};
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Values of samples within cells of one fill.
 #[inline(always)]
@@ -84,11 +84,10 @@ fn run<S: Shader, V: Vector>(
             found.write(values);
         } else {
             // Idle lanes repeat the first sample: it is certainly in the cell.
-            let [s, t] = [s, t].map(|x| {
-                let mut lanes = [x[0]; MAX_LANES];
-                lanes[..len].copy_from_slice(x);
-                V::load(&lanes)
-            });
+            let (mut all_s, mut all_t) = ([s[0]; MAX_LANES], [t[0]; MAX_LANES]);
+            all_s[..len].copy_from_slice(s);
+            all_t[..len].copy_from_slice(t);
+            let (s, t) = (V::load(&all_s), V::load(&all_t));
             let found = in_cell::<S, V>(pixel, cells, fill, s, t, exact);
             values.copy_from_slice(&found.store()[..len]);
         }
@@ -100,15 +99,15 @@ fn run<S: Shader, V: Vector>(
 pub(super) fn scattered_sums<S: Shader, V: Vector>(
     pixel: &Pixel32,
     samples: Anywhere<'_>,
-    drawn: Drawn<'_, V>,
+    groups: &mut [Group<V>],
     room: &mut Scattered,
     exact: Exact<'_>,
+    cancel: &AtomicBool,
 ) {
     /// Samples that are sorted together: enough for a vector in most cells, few enough for a
     /// near cache.
     const ROUND: usize = 1 << 13;
     let Anywhere { n, cells } = samples;
-    let Drawn { groups, cancel, .. } = drawn;
     if cells.is_single() {
         let (fill, _) = cells.fills[0];
         for group in groups {
@@ -163,5 +162,5 @@ pub(crate) struct Scattered {
     s: Vec<f32>,
     t: Vec<f32>,
     values: Vec<f32>,
-    sorted: Sorted,
+    pub sorted: Sorted,
 }
