@@ -63,22 +63,24 @@ impl StreamKey {
     pub(crate) fn words_of_trials<const L: usize>(&self, first: u32) -> [[u32; L]; 2] {
         let base = Self { trial: 0, ..*self }.counter();
         // The trial's 32 bits lie across two words of the counter.
-        let [a, b, c, d] = base;
+        let [a, b, c, d] = base.map(u64::from);
         let mut counter = [[a; L], [b; L], [c; L], [d; L]];
         let [_, low, high, _] = &mut counter;
         for (at, (low, high)) in (0..).zip(low.iter_mut().zip(high)) {
             let trial = first.wrapping_add(at);
-            *low |= trial << 24;
-            *high |= trial >> 8;
+            *low |= u64::from(trial << 24);
+            *high |= u64::from(trial >> 8);
         }
         let mut key = [self.seed as u32, (self.seed >> 32) as u32];
         for _ in 0..10 {
             counter = philox_round(counter, key);
             key = philox_next_key(key);
         }
-        let mut words = [counter[0], counter[1]];
-        for word in words.as_flattened_mut() {
-            *word = Stream::even(*word);
+        let mut words = [[0; L]; 2];
+        for (words, counters) in words.iter_mut().zip(&counter) {
+            for (word, counter) in words.iter_mut().zip(counters) {
+                *word = Stream::even(*counter as u32);
+            }
         }
         words
     }
@@ -225,26 +227,27 @@ pub(crate) fn unit_pair([a, b, c]: [u32; 3]) -> [f64; 2] {
 
 /// Philox4x32-10: ten rounds, as published.
 pub fn philox4x32_10(counter: [u32; 4], mut key: [u32; 2]) -> [u32; 4] {
-    let mut counter = counter.map(|word| [word]);
+    let mut counter = counter.map(|word| [u64::from(word)]);
     for _ in 0..10 {
         counter = philox_round(counter, key);
         key = philox_next_key(key);
     }
-    counter.map(|[word]| word)
+    counter.map(|[word]| word as u32)
 }
 
-/// One round of L counters, each of their four words by counter.
+/// One round of L counters, each of their four words by counter. Words are the lower halves of
+/// these numbers: vectors multiply those, and nothing has to be moved.
 #[inline(always)]
-fn philox_round<const L: usize>(counter: [[u32; L]; 4], key: [u32; 2]) -> [[u32; L]; 4] {
+fn philox_round<const L: usize>(counter: [[u64; L]; 4], key: [u32; 2]) -> [[u64; L]; 4] {
     const MULTIPLIER: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
     let mut out = [[0; L]; 4];
     for l in 0..L {
-        let a = u64::from(MULTIPLIER[0]) * u64::from(counter[0][l]);
-        let b = u64::from(MULTIPLIER[1]) * u64::from(counter[2][l]);
-        out[0][l] = (b >> 32) as u32 ^ counter[1][l] ^ key[0];
-        out[1][l] = b as u32;
-        out[2][l] = (a >> 32) as u32 ^ counter[3][l] ^ key[1];
-        out[3][l] = a as u32;
+        let a = u64::from(MULTIPLIER[0]) * u64::from(counter[0][l] as u32);
+        let b = u64::from(MULTIPLIER[1]) * u64::from(counter[2][l] as u32);
+        out[0][l] = (b >> 32) ^ counter[1][l] ^ u64::from(key[0]);
+        out[1][l] = b;
+        out[2][l] = (a >> 32) ^ counter[3][l] ^ u64::from(key[1]);
+        out[3][l] = a;
     }
     out
 }

@@ -40,12 +40,9 @@ impl Moments {
         let pivot = values[0];
         let shift = neumaier_sum(values.iter().map(|x| x - pivot)) / m;
         let mean = pivot + shift;
-        let largest =
-            values.iter().fold(0.0, |largest, x| ((x - pivot) - shift).abs().max(largest));
-        let unit = power_of_two_below(largest);
-        let mut powers = [0.0; 3];
-        let (factor, sums) = (unit.recip(), &mut powers);
-        simd::run(Isa::detect(), PowerSums { values, pivot, shift, factor, sums });
+        let (mut unit, mut powers) = (0.0, [0.0; 3]);
+        let (out_unit, sums) = (&mut unit, &mut powers);
+        simd::run(Isa::detect(), PowerSums { values, pivot, shift, unit: out_unit, sums });
         Self::from_sums(values.len() as u64, mean, unit, powers)
     }
 
@@ -130,6 +127,7 @@ impl Default for Moments {
 }
 
 /// The greatest power of two that is not above `x`, among those that have a reciprocal.
+#[inline(always)]
 fn power_of_two_below(x: f64) -> f64 {
     const EXPONENT: u64 = 0x7ff << 52;
     f64::from_bits(x.to_bits() & EXPONENT).max(f64::MIN_POSITIVE)
@@ -138,50 +136,88 @@ fn power_of_two_below(x: f64) -> f64 {
 /// Values that are summed side by side: none waits for the one before.
 const LANES: usize = 4;
 
-/// Compensated sums of the second, third and fourth powers of ((x - pivot) - shift) times
-/// `factor`.
+/// Compensated sums of the second, third and fourth powers of (x - pivot) - shift in units of a
+/// power of two near the largest.
 struct PowerSums<'a> {
     values: &'a [f64],
     pivot: f64,
     shift: f64,
-    factor: f64,
+    unit: &'a mut f64,
     sums: &'a mut [f64; 3],
 }
 
 impl Loop for PowerSums<'_> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        let Self { values, pivot, shift, factor, sums } = self;
-        let mut powers = [[CompensatedSum::default(); LANES]; 3];
+        let Self { values, pivot, shift, unit, sums } = self;
         let (blocks, rest) = values.as_chunks::<LANES>();
+        let mut largest = [0.0; LANES];
+        let mut look_at = |lane: usize, x: f64| {
+            let size = ((x - pivot) - shift).abs();
+            largest[lane] = if size > largest[lane] { size } else { largest[lane] };
+        };
         for block in blocks {
-            add_powers(&mut powers, block, |x| ((x - pivot) - shift) * factor);
+            for lane in 0..LANES {
+                look_at(lane, block[lane]);
+            }
         }
-        add_powers(&mut powers, rest, |x| ((x - pivot) - shift) * factor);
-        for (sum, lanes) in sums.iter_mut().zip(powers) {
+        for (lane, x) in rest.iter().enumerate() {
+            look_at(lane, *x);
+        }
+        *unit = power_of_two_below(largest.into_iter().fold(0.0, f64::max));
+        let factor = unit.recip();
+        let mut powers = [CompensatedSums::default(); 3];
+        let deviation = |x: f64| ((x - pivot) - shift) * factor;
+        for block in blocks {
+            add_powers(&mut powers, block.map(deviation));
+        }
+        // What is missing of the last block deviates by nothing.
+        let mut deviations = [0.0; LANES];
+        for (lane, x) in deviations.iter_mut().zip(rest) {
+            *lane = deviation(*x);
+        }
+        add_powers(&mut powers, deviations);
+        for (sum, powers) in sums.iter_mut().zip(powers) {
             let mut total = CompensatedSum::default();
-            for lane in lanes {
-                total.add(lane.sum);
-                total.lost += lane.lost;
+            for (lane, lost) in powers.sums.into_iter().zip(powers.lost) {
+                total.add(lane);
+                total.lost += lost;
             }
             *sum = total.total();
         }
     }
 }
 
-/// Adds the powers of each value's deviation to the sums of its lane.
+/// Adds the powers of a deviation to the sums of its lane.
 #[inline(always)]
-fn add_powers(
-    [second, third, fourth]: &mut [[CompensatedSum; LANES]; 3],
-    values: &[f64],
-    deviation: impl Fn(f64) -> f64,
-) {
-    for (lane, &x) in values.iter().enumerate() {
-        let d = deviation(x);
-        let square = d * d;
-        second[lane].add(square);
-        third[lane].add(square * d);
-        fourth[lane].add(square * square);
+fn add_powers([second, third, fourth]: &mut [CompensatedSums; 3], d: [f64; LANES]) {
+    let (mut squares, mut cubes, mut fourths) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+    for l in 0..LANES {
+        squares[l] = d[l] * d[l];
+        cubes[l] = squares[l] * d[l];
+        fourths[l] = squares[l] * squares[l];
+    }
+    second.add(squares);
+    third.add(cubes);
+    fourth.add(fourths);
+}
+
+/// A [`CompensatedSum`] for each lane.
+#[derive(Clone, Copy, Default)]
+struct CompensatedSums {
+    sums: [f64; LANES],
+    lost: [f64; LANES],
+}
+
+impl CompensatedSums {
+    #[inline(always)]
+    fn add(&mut self, values: [f64; LANES]) {
+        let Self { sums, lost } = self;
+        for l in 0..LANES {
+            let mut one = CompensatedSum { sum: sums[l], lost: lost[l] };
+            one.add(values[l]);
+            (sums[l], lost[l]) = (one.sum, one.lost);
+        }
     }
 }
 

@@ -24,7 +24,7 @@ const NARROW: f64 = 4e-3;
 
 thread_local! {
     /// Room for lists, kept from row to row and from pixel to pixel.
-    static WORK: RefCell<Work> = RefCell::default();
+    static WORK: RefCell<(Strata, Work)> = RefCell::default();
     /// The same for samples without strata.
     static SCATTERED: RefCell<Scattered> = RefCell::default();
     /// Room for facets that are not sorted yet.
@@ -293,7 +293,7 @@ impl Integrand for PixelBeam {
         };
         let strata = match (placement, sampler.strata(n, 2).as_deref()) {
             (Placement::Strata, Some(&[columns, rows])) if columns.max(rows) <= MAX_STRATA => {
-                Some(Strata::new([columns as u32, rows as u32]))
+                Some([columns as u32, rows as u32])
             }
             _ => None,
         };
@@ -301,9 +301,10 @@ impl Integrand for PixelBeam {
         let settle = |list: &[Entry], s: f64, t: f64| self.settle(list, s, t);
         let trials = Trials { key: &set.key, first: first_trial, cancel };
         match (placement, strata, u32::try_from(n)) {
-            (Placement::Strata, Some(strata), _) => {
-                WORK.with_borrow_mut(|work| {
-                    simd::strata_sums(isa, pixel, &strata, &trials, means, work, &settle);
+            (Placement::Strata, Some(per_axis), _) => {
+                WORK.with_borrow_mut(|(strata, work)| {
+                    strata.set(per_axis);
+                    simd::strata_sums(isa, pixel, strata, &trials, means, work, &settle);
                 });
             }
             (Placement::Independent, _, Ok(n)) => {

@@ -3,11 +3,17 @@
 use crate::rng::StreamKey;
 use crate::sampler::{PointSet, Points, Sampler};
 use crate::simd::{self, Isa, Loop};
+use std::cell::RefCell;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Points that are evaluated together, of several trials where one has fewer: enough for a vector
 /// of samples in most cells of a pixel, few enough for a near cache.
 const BATCH: usize = 1 << 12;
+
+thread_local! {
+    /// Room for positions s and t and for values, kept from set to set.
+    static COLUMNS: RefCell<[Vec<f32>; 3]> = RefCell::default();
+}
 
 /// Overwrites `sums` with those of trials `first_trial ..`, each over the points of its own set of
 /// what `evaluate` puts down for them, given their positions about the pixel's centre. Once
@@ -24,7 +30,11 @@ pub(super) fn sums(
     let n = set.key.n_samples;
     let block = usize::try_from(n).unwrap_or(usize::MAX).min(BATCH);
     let n_together = (BATCH / block).min(sums.len()).max(1);
-    let [mut s, mut t, mut values] = [(); 3].map(|()| vec![0.0; n_together * block]);
+    let mut columns = COLUMNS.take();
+    for column in &mut columns {
+        column.resize(column.len().max(n_together * block), 0.0);
+    }
+    let [s, t, values] = &mut columns;
     let (mut points, mut made): (Option<Box<dyn Points>>, _) = (None, None);
     for (first, sums) in (first_trial..).step_by(n_together).zip(sums.chunks_mut(n_together)) {
         sums.fill(0.0);
@@ -51,6 +61,7 @@ pub(super) fn sums(
             simd::run(isa, SumLoop { values, len, sums });
         }
     }
+    COLUMNS.set(columns);
 }
 
 /// Adds to each trial's sum those of its `len` values.

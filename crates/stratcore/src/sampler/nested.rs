@@ -126,7 +126,18 @@ impl Loop for NestedLoop<'_> {
                 {
                     let (tails, turns) = (&mut tails[block..][..made], &mut turns[block..][..made]);
                     let entries = &mut table[block..][..made];
-                    for l in 0..made {
+                    let whole = known / LANES * LANES;
+                    for l in 0..whole {
+                        let (tail, turn) = (tails[l] * b, turns[l] * (b - 1.0));
+                        let (digit, factor) = (tail.floor(), turn.floor());
+                        digits[l] = digit;
+                        factors[l] = factor + 1.0;
+                        before[l] = entries[l] * b;
+                        tails[l] = tail - digit;
+                        turns[l] = turn - factor;
+                        entries[l] = before[l] + digit;
+                    }
+                    for l in whole..made {
                         let (tail, turn) = (tails[l] * b, turns[l] * (b - 1.0));
                         let (digit, factor) = (tail.floor(), turn.floor());
                         digits[l] = digit;

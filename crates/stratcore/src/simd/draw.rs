@@ -39,15 +39,28 @@ pub(super) struct Spread<V: Vector> {
 }
 
 impl<V: Vector> Group<V> {
-    /// As many as it takes for `n_trials`, and the last of them spread out if its trials are
-    /// few. Lanes beyond the last trial draw like the others; nobody reads their sums.
+    /// Overwrites `groups` with as many as it takes for `n_trials`, and gives the last of them
+    /// spread out if its trials are few. Lanes beyond the last trial draw like the others; nobody
+    /// reads their sums.
     #[inline(always)]
-    pub(super) fn all(trials: &Trials<'_>, n_trials: usize) -> (Vec<Self>, Option<Spread<V>>) {
-        let mut groups = Vec::with_capacity(n_trials.div_ceil(V::LANES));
+    pub(super) fn all(
+        trials: &Trials<'_>,
+        n_trials: usize,
+        groups: &mut Vec<Self>,
+    ) -> Option<Spread<V>> {
+        /// Trials whose words are made together.
+        const MADE: usize = 8;
+        groups.clear();
         let mut spread = None;
         for at in (0..n_trials).step_by(MAX_LANES) {
-            let first = trials.first.wrapping_add(at as u32);
-            let mut words = trials.key.words_of_trials::<MAX_LANES>(first);
+            let mut words = [[0; MAX_LANES]; 2];
+            for from in (0..MAX_LANES.min(n_trials - at)).step_by(MADE) {
+                let first = trials.first.wrapping_add((at + from) as u32);
+                let made = trials.key.words_of_trials::<MADE>(first);
+                for (words, made) in words.iter_mut().zip(made) {
+                    words[from..from + MADE].copy_from_slice(&made);
+                }
+            }
             for word in words.as_flattened_mut() {
                 *word = first_step(*word);
             }
@@ -58,7 +71,7 @@ impl<V: Vector> Group<V> {
                 spread = Spread::new(words, n_trials);
             }
         }
-        (groups, spread)
+        spread
     }
 
     /// Writes each trial's sum.

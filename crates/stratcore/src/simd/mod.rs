@@ -29,7 +29,7 @@ mod visible;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
-use draw::Group;
+use draw::{Group, Spread};
 use std::sync::OnceLock;
 
 pub(crate) use cells::{Cells, Sorted};
@@ -113,11 +113,19 @@ macro_rules! compiled_for {
         mod $module {
             use super::scatter::{Anywhere, Scattered};
             use super::shader::{Directional, Point, Polynomial, WideHeadlight};
-            use super::{Cells, Exact, Group, Pixel32, Shading, Sorted, Strata, Trials, Work};
+            use super::{
+                Cells, Exact, Group, Pixel32, Shading, Sorted, Spread, Strata, Trials, Work,
+            };
             use super::{dissect, scatter, strata};
             use crate::simd::strata::Drawn;
+            use std::cell::RefCell;
 
             type V = $vector;
+
+            thread_local! {
+                /// Room for trials, kept from call to call.
+                static GROUPS: RefCell<Vec<Group<V>>> = const { RefCell::new(Vec::new()) };
+            }
 
             #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
             pub(super) fn strata_sums(
@@ -128,11 +136,13 @@ macro_rules! compiled_for {
                 work: &mut Work,
                 exact: Exact<'_>,
             ) {
-                let (mut groups, spread) = Group::<V>::all(trials, sums.len());
-                let drawn = Drawn { groups: &mut groups, spread, cancel: trials.cancel };
+                let mut all = GROUPS.take();
+                let spread = groups(trials, sums.len(), &mut all);
+                let drawn = Drawn { groups: &mut all, spread, cancel: trials.cancel };
                 let next = |work: &mut Work| next_pieces(pixel, grid, work);
                 shaded!(V, strata::strata_sums(pixel, grid, drawn, work, next, exact));
-                Group::store(&groups, sums);
+                Group::store(&all, sums);
+                GROUPS.set(all);
             }
 
             #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
@@ -144,13 +154,12 @@ macro_rules! compiled_for {
                 room: &mut Scattered,
                 exact: Exact<'_>,
             ) {
-                let (mut groups, _) = Group::<V>::all(trials, sums.len());
+                let mut all = GROUPS.take();
+                groups(trials, sums.len(), &mut all);
                 let cancel = trials.cancel;
-                shaded!(
-                    V,
-                    scatter::scattered_sums(pixel, samples, &mut groups, room, exact, cancel)
-                );
-                Group::store(&groups, sums);
+                shaded!(V, scatter::scattered_sums(pixel, samples, &mut all, room, exact, cancel));
+                Group::store(&all, sums);
+                GROUPS.set(all);
             }
 
             #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
@@ -168,6 +177,17 @@ macro_rules! compiled_for {
             #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
             pub(super) fn cells(pixel: &Pixel32, per_axis: u32) -> Cells {
                 Cells::new(pixel, per_axis, |grid, work| next_pieces(pixel, grid, work))
+            }
+
+            /// The same for all kernels: compiled once.
+            #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
+            #[inline(never)]
+            fn groups(
+                trials: &Trials<'_>,
+                n: usize,
+                groups: &mut Vec<Group<V>>,
+            ) -> Option<Spread<V>> {
+                Group::all(trials, n, groups)
             }
 
             /// Large, and the same for all shaders: compiled once.

@@ -128,7 +128,7 @@ impl Rect {
 }
 
 /// A grid of strata over the pixel.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct Strata {
     pub per_axis: [u32; 2],
     /// Width of a stratum over 2^24.
@@ -139,10 +139,19 @@ pub(crate) struct Strata {
 
 impl Strata {
     pub fn new(per_axis: [u32; 2]) -> Self {
-        let bounds =
-            per_axis.map(|k| (0..=k).map(|i| (f64::from(i) / f64::from(k) - 0.5) as f32).collect());
-        let step = per_axis.map(|k| ((1.0 / f64::from(k)) * 2f64.powi(-24)) as f32);
-        Self { per_axis, step, bounds }
+        let mut strata = Self::default();
+        strata.set(per_axis);
+        strata
+    }
+
+    /// Becomes the grid of so many strata.
+    pub fn set(&mut self, per_axis: [u32; 2]) {
+        self.per_axis = per_axis;
+        self.step = per_axis.map(|k| ((1.0 / f64::from(k)) * 2f64.powi(-24)) as f32);
+        for (bounds, k) in self.bounds.iter_mut().zip(per_axis) {
+            bounds.clear();
+            bounds.extend((0..=k).map(|i| (f64::from(i) / f64::from(k) - 0.5) as f32));
+        }
     }
 
     #[inline(always)]

@@ -171,9 +171,9 @@ fn sampler_rows(
     control: Control<'_>,
 ) -> Result<Vec<Row>, StudyError> {
     let mut rows = Vec::with_capacity(counts_used.len());
+    let mut means = vec![0.0; plan.n_trials as usize];
     for (&n, &n_used) in plan.counts.iter().zip(counts_used) {
         let set = point_set(integrand, pixel, plan, choice, n_used)?;
-        let mut means = vec![0.0; plan.n_trials as usize];
         let ns_per_sample = row_means(integrand, choice, &set, 0, &mut means, control)?;
         rows.push(Row { ns_per_sample, ..row(integrand, choice, &set, n, &means)? });
     }
