@@ -152,17 +152,17 @@ impl Loop for PowerSums<'_> {
         let Self { values, pivot, shift, unit, sums } = self;
         let (blocks, rest) = values.as_chunks::<LANES>();
         let mut largest = [0.0; LANES];
-        let mut look_at = |lane: usize, x: f64| {
+        let larger = |largest: f64, x: f64| {
             let size = ((x - pivot) - shift).abs();
-            largest[lane] = if size > largest[lane] { size } else { largest[lane] };
+            if size > largest { size } else { largest }
         };
         for block in blocks {
-            for lane in 0..LANES {
-                look_at(lane, block[lane]);
+            for (largest, x) in largest.iter_mut().zip(block) {
+                *largest = larger(*largest, *x);
             }
         }
-        for (lane, x) in rest.iter().enumerate() {
-            look_at(lane, *x);
+        for (largest, x) in largest.iter_mut().zip(rest) {
+            *largest = larger(*largest, *x);
         }
         *unit = power_of_two_below(largest.into_iter().fold(0.0, f64::max));
         let factor = unit.recip();

@@ -100,13 +100,12 @@ fn levenberg_marquardt(
     mut at: [f64; 4],
 ) -> Option<Solution> {
     const STEPS: usize = 200;
-    let chi2_at = |at| -> f64 {
-        points.iter().zip(weights).map(|((x, y), w)| w * (y - model(at, *x).0).powi(2)).sum()
-    };
-    let normal_equations = |at| {
-        let (mut matrix, mut vector) = ([[0.0; 4]; 4], [0.0; 4]);
+    // χ² and the normal equations, of one pass: the model's exponentials are what costs.
+    let evaluate = |at| {
+        let (mut chi2, mut matrix, mut vector) = (0.0, [[0.0; 4]; 4], [0.0; 4]);
         for ((x, y), w) in points.iter().zip(weights) {
             let (value, slope) = model(at, *x);
+            chi2 += w * (y - value).powi(2);
             for i in 0..4 {
                 vector[i] += w * slope[i] * (y - value);
                 for j in 0..4 {
@@ -114,11 +113,11 @@ fn levenberg_marquardt(
                 }
             }
         }
-        (matrix, vector)
+        (chi2, matrix, vector)
     };
-    let (mut chi2, mut damping) = (chi2_at(at), 1e-3);
+    let (mut chi2, mut matrix, mut vector) = evaluate(at);
+    let mut damping = 1e-3;
     for _ in 0..STEPS {
-        let (matrix, vector) = normal_equations(at);
         let mut damped = matrix;
         for (i, row) in damped.iter_mut().enumerate() {
             row[i] += damping * row[i].max(1e-12);
@@ -126,10 +125,11 @@ fn levenberg_marquardt(
         let inverse = inverse(damped)?;
         let step = inverse.map(|row| row.iter().zip(&vector).map(|(a, b)| a * b).sum::<f64>());
         let tried = std::array::from_fn(|i| at[i] + step[i]);
-        let new = chi2_at(tried);
+        let (new, new_matrix, new_vector) = evaluate(tried);
         if new <= chi2 {
             let gained = chi2 - new;
-            (at, chi2, damping) = (tried, new, (damping * 0.2).max(1e-12));
+            (at, damping) = (tried, (damping * 0.2).max(1e-12));
+            (chi2, matrix, vector) = (new, new_matrix, new_vector);
             if gained < 1e-9 * (1.0 + chi2) {
                 break;
             }
@@ -140,7 +140,6 @@ fn levenberg_marquardt(
             }
         }
     }
-    let (matrix, _) = normal_equations(at);
     Some((at, chi2, inverse(matrix)?))
 }
 

@@ -188,16 +188,8 @@ impl Loop for BinaryLoop<'_> {
     fn run<const FMA: bool>(self) {
         let Self(Job { nested, table, room }) = self;
         let Nested { stream, digits, len, has_tails, .. } = nested;
-        let Room { draws, words, .. } = room;
-        let words = &mut words[..table.len()];
-        for block in (0..len).step_by(BLOCK) {
-            let made = BLOCK.min(len.next_multiple_of(LANES) - block);
-            stream.draws(block as u32, made, draws);
-            let [high, low, _] = &*draws;
-            for (word, (high, low)) in words[block..][..made].iter_mut().zip(high.iter().zip(low)) {
-                *word = u64::from(*high) << 32 | u64::from(*low);
-            }
-        }
+        let words = &mut room.words[..table.len()];
+        stream.bits(0, &mut words[..len.next_multiple_of(LANES)]);
         for level in 0..digits {
             let width = 1 << level;
             if width >= len {
