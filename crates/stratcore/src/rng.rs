@@ -168,24 +168,6 @@ impl Stream {
         }
     }
 
-    /// The first two words of the same draws, the first one above.
-    #[inline(always)]
-    pub(crate) fn bits(&self, first: u32, bits: &mut [u64]) {
-        let [low, second, third] = self.arguments(first.into());
-        let mut words = [[0; BLOCK]; 2];
-        let [high, below] = &mut words;
-        for (bits, at) in bits.chunks_mut(BLOCK).zip((0..).step_by(BLOCK)) {
-            let low = low.wrapping_add(at);
-            let (high, below) = (&mut high[..bits.len()], &mut below[..bits.len()]);
-            for l in 0..bits.len() {
-                [high[l], below[l], _] = pcg3d([low.wrapping_add(l as u32), second, third]);
-            }
-            for (bits, (high, below)) in bits.iter_mut().zip(high.iter().zip(below)) {
-                *bits = u64::from(*high) << 32 | u64::from(*below);
-            }
-        }
-    }
-
     /// A block of known length: its loops are straight lines of vectors. All words are drawn
     /// first, in vectors of twice as many lanes as numbers have.
     #[inline(always)]

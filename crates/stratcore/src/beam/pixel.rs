@@ -314,10 +314,10 @@ impl Integrand for PixelBeam {
                 });
             }
             _ => SCATTERED.with_borrow_mut(|room| {
-                let evaluate = |positions: [&[f32]; 2], values: &mut [f32]| {
-                    self.values_at(positions, values, &mut room.sorted);
+                let evaluate = |positions: [&[f32]; 2], values: &mut [f32], sorted: &mut _| {
+                    self.values_at(positions, values, sorted);
                 };
-                placed::sums(isa, sampler, set, first_trial, means, cancel, evaluate);
+                placed::sums(isa, sampler, set, &trials, means, room, evaluate);
             }),
         }
         for mean in means {

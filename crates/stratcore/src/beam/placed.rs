@@ -2,43 +2,33 @@
 
 use crate::rng::StreamKey;
 use crate::sampler::{PointSet, Points, Sampler};
-use crate::simd::{self, Isa, Loop};
-use std::cell::RefCell;
-use std::sync::atomic::{AtomicBool, Ordering};
+use crate::simd::{self, Isa, Loop, Scattered, Sorted, Trials};
+use std::sync::atomic::Ordering;
 
 /// Points that are evaluated together, of several trials where one has fewer: enough for a vector
 /// of samples in most cells of a pixel, few enough for a near cache.
 const BATCH: usize = 1 << 12;
 
-thread_local! {
-    /// Room for positions s and t and for values, kept from set to set.
-    static COLUMNS: RefCell<[Vec<f32>; 3]> = RefCell::default();
-}
-
-/// Overwrites `sums` with those of trials `first_trial ..`, each over the points of its own set of
-/// what `evaluate` puts down for them, given their positions about the pixel's centre. Once
-/// `cancel` is set, what is written means nothing.
+/// Overwrites `sums` with those of `trials`, each over the points of its own set of what
+/// `evaluate` puts down for them, given their positions about the pixel's centre. Once they are
+/// cancelled, what is written means nothing.
 pub(super) fn sums(
     isa: Isa,
     sampler: &dyn Sampler,
     set: &PointSet,
-    first_trial: u32,
+    trials: &Trials<'_>,
     sums: &mut [f64],
-    cancel: &AtomicBool,
-    mut evaluate: impl FnMut([&[f32]; 2], &mut [f32]),
+    room: &mut Scattered,
+    mut evaluate: impl FnMut([&[f32]; 2], &mut [f32], &mut Sorted),
 ) {
     let n = set.key.n_samples;
     let block = usize::try_from(n).unwrap_or(usize::MAX).min(BATCH);
     let n_together = (BATCH / block).min(sums.len()).max(1);
-    let mut columns = COLUMNS.take();
-    for column in &mut columns {
-        column.resize(column.len().max(n_together * block), 0.0);
-    }
-    let [s, t, values] = &mut columns;
+    let ([s, t, values], sorted) = room.columns(n_together * block);
     let (mut points, mut made): (Option<Box<dyn Points>>, _) = (None, None);
-    for (first, sums) in (first_trial..).step_by(n_together).zip(sums.chunks_mut(n_together)) {
+    for (first, sums) in (trials.first..).step_by(n_together).zip(sums.chunks_mut(n_together)) {
         sums.fill(0.0);
-        for from in (0..n).step_by(block).take_while(|_| !cancel.load(Ordering::Relaxed)) {
+        for from in (0..n).step_by(block).take_while(|_| !trials.cancel.load(Ordering::Relaxed)) {
             let len = block.min((n - from) as usize);
             let all = sums.len() * len;
             let (s, t, values) = (&mut s[..all], &mut t[..all], &mut values[..all]);
@@ -57,11 +47,10 @@ pub(super) fn sums(
                     points.fill_centred(isa, from, [s, t]);
                 }
             }
-            evaluate([s, t], values);
+            evaluate([s, t], values, sorted);
             simd::run(isa, SumLoop { values, len, sums });
         }
     }
-    COLUMNS.set(columns);
 }
 
 /// Adds to each trial's sum those of its `len` values.

@@ -126,18 +126,7 @@ impl Loop for NestedLoop<'_> {
                 {
                     let (tails, turns) = (&mut tails[block..][..made], &mut turns[block..][..made]);
                     let entries = &mut table[block..][..made];
-                    let whole = known / LANES * LANES;
-                    for l in 0..whole {
-                        let (tail, turn) = (tails[l] * b, turns[l] * (b - 1.0));
-                        let (digit, factor) = (tail.floor(), turn.floor());
-                        digits[l] = digit;
-                        factors[l] = factor + 1.0;
-                        before[l] = entries[l] * b;
-                        tails[l] = tail - digit;
-                        turns[l] = turn - factor;
-                        entries[l] = before[l] + digit;
-                    }
-                    for l in whole..made {
+                    for l in 0..made {
                         let (tail, turn) = (tails[l] * b, turns[l] * (b - 1.0));
                         let (digit, factor) = (tail.floor(), turn.floor());
                         digits[l] = digit;
@@ -188,8 +177,16 @@ impl Loop for BinaryLoop<'_> {
     fn run<const FMA: bool>(self) {
         let Self(Job { nested, table, room }) = self;
         let Nested { stream, digits, len, has_tails, .. } = nested;
-        let words = &mut room.words[..table.len()];
-        stream.bits(0, &mut words[..len.next_multiple_of(LANES)]);
+        let Room { draws, words, .. } = room;
+        let words = &mut words[..table.len()];
+        for block in (0..len).step_by(BLOCK) {
+            let made = BLOCK.min(len.next_multiple_of(LANES) - block);
+            stream.draws(block as u32, made, draws);
+            let [high, low, _] = &*draws;
+            for (word, (high, low)) in words[block..][..made].iter_mut().zip(high.iter().zip(low)) {
+                *word = u64::from(*high) << 32 | u64::from(*low);
+            }
+        }
         for level in 0..digits {
             let width = 1 << level;
             if width >= len {

@@ -122,11 +122,7 @@ pub(super) fn scattered_sums<S: Shader, V: Vector>(
     // Lanes without a trial are not evaluated.
     let n_trials = groups.iter().map(|group| group.n_trials).sum::<usize>();
     let together = (ROUND / n_trials).clamp(1, n as usize);
-    let Scattered { s, t, values, sorted } = room;
-    for column in [&mut *s, t, values] {
-        // Vectors are written and read whole, with or without a trial in each lane.
-        column.resize(column.len().max(together * n_trials + MAX_LANES), 0.0);
-    }
+    let ([s, t, values], sorted) = room.columns(together * n_trials);
     for first in (0..n).step_by(together).take_while(|_| !cancel.load(Ordering::Relaxed)) {
         let indices = first..n.min(first.saturating_add(together as u32));
         let mut at = 0;
@@ -163,4 +159,17 @@ pub(crate) struct Scattered {
     t: Vec<f32>,
     values: Vec<f32>,
     pub sorted: Sorted,
+}
+
+impl Scattered {
+    /// Columns s, t and values of at least `n` samples, with room to sort them. Vectors are
+    /// written and read whole, so there is one more behind the last sample.
+    #[inline(always)]
+    pub fn columns(&mut self, n: usize) -> ([&mut [f32]; 3], &mut Sorted) {
+        let Self { s, t, values, sorted } = self;
+        for column in [&mut *s, t, values] {
+            column.resize(column.len().max(n + MAX_LANES), 0.0);
+        }
+        ([s, t, values], sorted)
+    }
 }
