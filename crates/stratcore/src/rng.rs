@@ -58,9 +58,16 @@ impl StreamKey {
         Stream::new(words)
     }
 
-    /// The first two words of the streams of L trials from `first` on, each word by trial.
+    /// The streams of L trials from `first` on.
     #[inline(always)]
-    pub(crate) fn words_of_trials<const L: usize>(&self, first: u32) -> [[u32; L]; 2] {
+    pub(crate) fn streams_of_trials<const L: usize>(&self, first: u32) -> [Stream; L] {
+        let words = self.words_of_trials::<L>(first);
+        std::array::from_fn(|l| Stream::new(words.map(|word| word[l])))
+    }
+
+    /// The words that the streams of L trials from `first` on are made of, each by trial.
+    #[inline(always)]
+    pub(crate) fn words_of_trials<const L: usize>(&self, first: u32) -> [[u32; L]; 4] {
         let base = Self { trial: 0, ..*self }.counter();
         // The trial's 32 bits lie across two words of the counter.
         let [a, b, c, d] = base.map(u64::from);
@@ -76,13 +83,7 @@ impl StreamKey {
             counter = philox_round(counter, key);
             key = philox_next_key(key);
         }
-        let mut words = [[0; L]; 2];
-        for (words, counters) in words.iter_mut().zip(&counter) {
-            for (word, counter) in words.iter_mut().zip(counters) {
-                *word = Stream::even(*counter as u32);
-            }
-        }
-        words
+        counter.map(|word| word.map(|word| word as u32))
     }
 
     /// The 128-bit Philox counter: x (20 bits), y (20), trial (32), N (44), sampler (8), from
@@ -115,7 +116,7 @@ impl Stream {
     }
 
     #[inline(always)]
-    fn even(word: u32) -> u32 {
+    pub(crate) fn even(word: u32) -> u32 {
         word & !1
     }
 
@@ -317,13 +318,12 @@ mod tests {
     }
 
     #[test]
-    fn words_of_many_trials_are_those_of_each() {
+    fn streams_of_many_trials_are_those_of_each() {
         let key = StreamKey { seed: 3 << 40, pixel: [9, 8], sampler: 7, n_samples: 6, trial: 5 };
         for first in [0, 250, 65_530, u32::MAX - 15] {
-            let words = key.words_of_trials::<16>(first);
-            for (l, trial) in (first..=first + 15).enumerate() {
-                let stream = StreamKey { trial, ..key }.stream();
-                assert_eq!([words[0][l], words[1][l]], stream.words, "trial {trial}");
+            let streams = key.streams_of_trials::<16>(first);
+            for (stream, trial) in streams.into_iter().zip(first..=first + 15) {
+                assert_eq!(stream, StreamKey { trial, ..key }.stream(), "trial {trial}");
             }
         }
     }

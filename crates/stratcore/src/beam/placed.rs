@@ -1,6 +1,6 @@
 //! Trials of points that the kernels do not draw themselves.
 
-use crate::rng::StreamKey;
+use crate::rng::{Stream, StreamKey};
 use crate::sampler::{PointSet, Points, Sampler};
 use crate::simd::{self, Isa, Loop, Scattered, Sorted, Trials};
 use std::sync::atomic::Ordering;
@@ -26,6 +26,7 @@ pub(super) fn sums(
     let n_together = (BATCH / block).min(sums.len()).max(1);
     let ([s, t, values], sorted) = room.columns(n_together * block);
     let (mut points, mut made): (Option<Box<dyn Points>>, _) = (None, None);
+    let mut streams = Streams::new(isa, &set.key, trials.first);
     for (first, sums) in (trials.first..).step_by(n_together).zip(sums.chunks_mut(n_together)) {
         sums.fill(0.0);
         for from in (0..n).step_by(block).take_while(|_| !trials.cancel.load(Ordering::Relaxed)) {
@@ -34,11 +35,12 @@ pub(super) fn sums(
             let (s, t, values) = (&mut s[..all], &mut t[..all], &mut values[..all]);
             let columns = s.chunks_exact_mut(len).zip(t.chunks_exact_mut(len));
             for (trial, (s, t)) in (first..).zip(columns) {
-                let key = StreamKey { trial, ..set.key };
                 // A set that is evaluated part by part is made once.
                 if made != Some(trial) {
-                    let renewed = points.as_mut().is_some_and(|points| points.renew(&key));
+                    let stream = streams.get(trial);
+                    let renewed = points.as_mut().is_some_and(|points| points.renew(stream));
                     if !renewed {
+                        let key = StreamKey { trial, ..set.key };
                         points = Some(sampler.points(&PointSet { key, ..*set }));
                     }
                     made = Some(trial);
@@ -50,6 +52,49 @@ pub(super) fn sums(
             evaluate([s, t], values, sorted);
             simd::run(isa, SumLoop { values, len, sums });
         }
+    }
+}
+
+/// Streams of trials one after the other, made so many at a time.
+struct Streams<'a> {
+    isa: Isa,
+    key: &'a StreamKey,
+    first: u32,
+    made: [Stream; TRIALS],
+}
+
+const TRIALS: usize = 8;
+
+impl<'a> Streams<'a> {
+    fn new(isa: Isa, key: &'a StreamKey, first: u32) -> Self {
+        let mut streams = Self { isa, key, first, made: [Stream::of_bits(0); TRIALS] };
+        streams.make(first);
+        streams
+    }
+
+    fn make(&mut self, first: u32) {
+        self.first = first;
+        simd::run(self.isa, StreamLoop { key: self.key, first, made: &mut self.made });
+    }
+
+    fn get(&mut self, trial: u32) -> &Stream {
+        if trial.wrapping_sub(self.first) as usize >= TRIALS {
+            self.make(trial);
+        }
+        &self.made[trial.wrapping_sub(self.first) as usize % TRIALS]
+    }
+}
+
+struct StreamLoop<'a> {
+    key: &'a StreamKey,
+    first: u32,
+    made: &'a mut [Stream; TRIALS],
+}
+
+impl Loop for StreamLoop<'_> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        *self.made = self.key.streams_of_trials(self.first);
     }
 }
 

@@ -4,7 +4,7 @@ use super::hash::splitmix;
 use super::permutation::Permutation;
 use super::random::UniformPoints;
 use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble, strata_per_axis};
-use crate::rng::StreamKey;
+use crate::rng::Stream;
 use crate::simd::Isa;
 
 /// One point in each of the m × n cells of a grid and, at the same time, in each of the mn
@@ -72,9 +72,9 @@ impl Points for MultiJitteredPoints {
             }
         });
     }
-    fn renew(&mut self, key: &StreamKey) -> bool {
-        self.offsets.stream = key.stream();
-        let bits = self.offsets.stream.scramble_bits();
+    fn renew(&mut self, stream: &Stream) -> bool {
+        self.offsets.stream = *stream;
+        let bits = stream.scramble_bits();
         self.offset_of_row.renew(splitmix(bits, 0));
         self.offset_of_column.renew(splitmix(bits, 1));
         true

@@ -4,7 +4,7 @@ use super::hash::{splitmix, unit};
 use super::owen::{DigitScramble, Indices, OwnBits, levels};
 use super::target::Target;
 use super::{PointSet, Points, Scramble};
-use crate::rng::StreamKey;
+use crate::rng::Stream;
 use crate::simd::{self, BLOCK, Isa, Loop};
 use std::ops::BitXor;
 
@@ -38,7 +38,7 @@ impl DigitalPoints {
         let (scramble, levels) = (set.scramble, levels(set.key.n_samples));
         let axes = matrices.iter().map(axis).collect();
         let mut points = Self { matrices, scramble, levels, axes, own: 0 };
-        points.renew(&set.key);
+        points.renew(&set.key.stream());
         points
     }
 }
@@ -116,8 +116,8 @@ impl Points for DigitalPoints {
     fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
         self.write(isa, first, &mut Target::Centred(columns));
     }
-    fn renew(&mut self, key: &StreamKey) -> bool {
-        let bits = key.stream().scramble_bits();
+    fn renew(&mut self, stream: &Stream) -> bool {
+        let bits = stream.scramble_bits();
         for (number, (axis, matrix)) in (0..).zip(self.axes.iter_mut().zip(self.matrices)) {
             let key = splitmix(bits, number);
             match axis {

@@ -5,7 +5,7 @@ use super::radical::{RadicalInverse, primes};
 use super::sobol::MOST_POINTS;
 use super::target::Target;
 use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
-use crate::rng::StreamKey;
+use crate::rng::Stream;
 use crate::simd::Isa;
 use std::sync::OnceLock;
 
@@ -33,7 +33,7 @@ impl Sampler for Halton {
     }
     fn construct(&self, set: &PointSet) -> Box<dyn Points> {
         let mut points = HaltonPoints { axes: radical_inverses(set, set.dim) };
-        points.renew(&set.key);
+        points.renew(&set.key.stream());
         Box::new(points)
     }
 }
@@ -79,8 +79,8 @@ impl Points for HaltonPoints {
     fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
         self.write(isa, first, &mut Target::Centred(columns));
     }
-    fn renew(&mut self, key: &StreamKey) -> bool {
-        scramble(&mut self.axes, key.stream().scramble_bits());
+    fn renew(&mut self, stream: &Stream) -> bool {
+        scramble(&mut self.axes, stream.scramble_bits());
         true
     }
 }

@@ -6,7 +6,7 @@ use super::radical::{FractionLoop, RadicalInverse, Tail, TailLoop};
 use super::sobol::MOST_POINTS;
 use super::target::Target;
 use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
-use crate::rng::StreamKey;
+use crate::rng::Stream;
 use crate::simd::{self, BLOCK, Divisor, Isa};
 
 /// i/N and the Halton sequence in d - 1 dimensions. Scrambles work on the digits of the latter
@@ -35,7 +35,7 @@ impl Sampler for Hammersley {
             tail: Tail::Common(0.0),
             others: radical_inverses(set, set.dim - 1),
         };
-        points.renew(&set.key);
+        points.renew(&set.key.stream());
         Box::new(points)
     }
 }
@@ -70,8 +70,8 @@ impl Points for HammersleyPoints {
     fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
         self.write(isa, first, &mut Target::Centred(columns));
     }
-    fn renew(&mut self, key: &StreamKey) -> bool {
-        let bits = key.stream().scramble_bits();
+    fn renew(&mut self, stream: &Stream) -> bool {
+        let bits = stream.scramble_bits();
         // Keys of the other axes count from 0.
         self.tail = Tail::new(self.scramble, splitmix(bits, BASES as u64));
         scramble(&mut self.others, bits);

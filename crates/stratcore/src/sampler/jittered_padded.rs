@@ -5,7 +5,7 @@ use super::jittered::planar_strata;
 use super::permutation::Permutation;
 use super::random::UniformPoints;
 use super::{Admissible, BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble};
-use crate::rng::StreamKey;
+use crate::rng::Stream;
 use crate::simd::Isa;
 
 /// A jittered set of N = k² points for each two axes and, where d is odd, one of N strata for
@@ -87,9 +87,9 @@ impl Points for PaddedCells {
             }
         }
     }
-    fn renew(&mut self, key: &StreamKey) -> bool {
-        self.offsets.stream = key.stream();
-        let bits = self.offsets.stream.scramble_bits();
+    fn renew(&mut self, stream: &Stream) -> bool {
+        self.offsets.stream = *stream;
+        let bits = stream.scramble_bits();
         for (pair, order) in (1..).zip(&mut self.others) {
             order.renew(splitmix(bits, pair));
         }

@@ -4,7 +4,7 @@ use super::hash::splitmix;
 use super::permutation::Permutation;
 use super::random::UniformPoints;
 use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
-use crate::rng::StreamKey;
+use crate::rng::{Stream, StreamKey};
 use crate::simd::Isa;
 
 /// N-rooks: along each axis the N points lie in N different slabs, paired at random between
@@ -51,9 +51,9 @@ impl Points for RooksPoints {
             }
         });
     }
-    fn renew(&mut self, key: &StreamKey) -> bool {
-        self.offsets.stream = key.stream();
-        let bits = self.offsets.stream.scramble_bits();
+    fn renew(&mut self, stream: &Stream) -> bool {
+        self.offsets.stream = *stream;
+        let bits = stream.scramble_bits();
         for (axis, permutation) in (1..).zip(&mut self.others) {
             permutation.renew(splitmix(bits, axis));
         }

@@ -60,7 +60,7 @@ pub use sobol::Sobol;
 pub use zsobol::ZSobol;
 
 use crate::error::StudyError;
-use crate::rng::StreamKey;
+use crate::rng::{Stream, StreamKey};
 use crate::simd::{self, BLOCK, Isa, Loop};
 use scramble::Shifted;
 use target::centred;
@@ -254,9 +254,9 @@ pub trait Points {
             simd::run(isa, CentreLoop { rows, columns: [s, t] });
         }
     }
-    /// Becomes the set of another key that differs in the trial alone, in the room that it has.
-    /// False, and nothing has changed, where it cannot.
-    fn renew(&mut self, _key: &StreamKey) -> bool {
+    /// Becomes the set of another stream, of a key that differs in the trial alone, in the room
+    /// that it has. False, and nothing has changed, where it cannot.
+    fn renew(&mut self, _stream: &Stream) -> bool {
         false
     }
 }
@@ -440,7 +440,7 @@ mod tests {
                         continue;
                     }
                     let mut points = sampler.points(&set);
-                    if !points.renew(&next.key) {
+                    if !points.renew(&next.key.stream()) {
                         continue;
                     }
                     let len = n.min(300) as usize;

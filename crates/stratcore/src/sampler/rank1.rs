@@ -2,7 +2,7 @@
 
 use super::memo::Memo;
 use super::{Admissible, BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble};
-use crate::rng::StreamKey;
+use crate::rng::Stream;
 use crate::simd::Isa;
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -127,7 +127,7 @@ impl Points for LatticePoints {
             }
         }
     }
-    fn renew(&mut self, _key: &StreamKey) -> bool {
+    fn renew(&mut self, _stream: &Stream) -> bool {
         true
     }
 }

@@ -2,7 +2,7 @@
 
 use super::hash::unit;
 use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
-use crate::rng::StreamKey;
+use crate::rng::{Stream, StreamKey};
 use crate::simd::Isa;
 
 /// Multiples of a fixed vector modulo 1: (φ^-1, φ^-2, …, φ^-d), where φ solves φ^(d+1) = φ + 1,
@@ -63,7 +63,7 @@ impl Points for KroneckerPoints {
             }
         }
     }
-    fn renew(&mut self, _key: &StreamKey) -> bool {
+    fn renew(&mut self, _stream: &Stream) -> bool {
         true
     }
 }

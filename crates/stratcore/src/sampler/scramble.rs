@@ -3,7 +3,7 @@
 use super::hash::{splitmix, unit};
 use super::{BELOW_ONE, PointSet, Points};
 use crate::error::StudyError;
-use crate::rng::StreamKey;
+use crate::rng::Stream;
 use crate::simd::{self, Isa, Loop};
 
 /// How a point set is made random when its construction is not, or made random once more.
@@ -105,16 +105,16 @@ impl Shifted {
     /// the same under every key.
     pub(super) fn new(points: Box<dyn Points>, set: &PointSet, fixed: bool) -> Self {
         let mut shifts = vec![0.0; REPEATS * set.dim];
-        shift(&mut shifts, &set.key);
+        shift(&mut shifts, &set.key.stream());
         let (fold, n) = (set.scramble == Scramble::Tent, set.key.n_samples);
         Self { points, shifts, fold, fixed, kept: Vec::new(), n }
     }
 }
 
-/// The shift of a key, over and over.
-fn shift(shifts: &mut [f64], key: &StreamKey) {
+/// The shift of a stream, over and over.
+fn shift(shifts: &mut [f64], stream: &Stream) {
     // No sampler uses the last number of its stream's scramble bits.
-    let key = splitmix(key.stream().scramble_bits(), u64::MAX);
+    let key = splitmix(stream.scramble_bits(), u64::MAX);
     let dim = shifts.len() / REPEATS;
     for (axis, shift) in (0..).zip(&mut shifts[..dim]) {
         *shift = unit(splitmix(key, axis));
@@ -134,10 +134,10 @@ impl Points for Shifted {
         }
         simd::run(isa, ShiftLoop { shifts: &self.shifts, points, fold: self.fold });
     }
-    fn renew(&mut self, key: &StreamKey) -> bool {
-        let renewed = self.points.renew(key);
+    fn renew(&mut self, stream: &Stream) -> bool {
+        let renewed = self.points.renew(stream);
         if renewed {
-            shift(&mut self.shifts, key);
+            shift(&mut self.shifts, stream);
             let coordinates = (self.n as usize).saturating_mul(self.shifts.len() / REPEATS);
             if self.fixed && self.kept.is_empty() && coordinates <= MOST_KEPT {
                 self.kept.resize(coordinates, 0.0);

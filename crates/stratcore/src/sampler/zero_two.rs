@@ -6,7 +6,7 @@ use super::owen::{DigitScramble, Indices, NestedUniform, OwnBits};
 use super::permutation::Permutation;
 use super::scramble::Scramble;
 use super::target::Target;
-use crate::rng::StreamKey;
+use crate::rng::Stream;
 use crate::simd::{self, BLOCK, Isa, Loop};
 use std::ops::Range;
 
@@ -120,9 +120,9 @@ impl Points for PaddedPoints {
     fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
         self.write(isa, first, &mut Target::Centred(columns));
     }
-    fn renew(&mut self, key: &StreamKey) -> bool {
+    fn renew(&mut self, stream: &Stream) -> bool {
         let Some((scramble, levels)) = self.scrambled else { return false };
-        let bits = key.stream().scramble_bits();
+        let bits = stream.scramble_bits();
         for (pair, sequence) in (0..).zip(&mut self.pairs) {
             let [key, order_key] = pair_keys(bits, pair);
             sequence.renew(scramble, key, levels, order_key);

@@ -1,7 +1,7 @@
 //! Points of many trials at once: a lane is a trial.
 
 use super::vector::{MAX_LANES, Vector};
-use crate::rng::StreamKey;
+use crate::rng::{Stream, StreamKey};
 use std::sync::atomic::AtomicBool;
 
 /// Trials from `first` on.
@@ -62,7 +62,7 @@ impl<V: Vector> Group<V> {
                 }
             }
             for word in words.as_flattened_mut() {
-                *word = first_step(*word);
+                *word = first_step(Stream::even(*word));
             }
             for from in (0..MAX_LANES.min(n_trials - at)).step_by(V::LANES) {
                 let n_trials = V::LANES.min(n_trials - at - from);
