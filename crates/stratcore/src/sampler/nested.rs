@@ -107,7 +107,7 @@ impl Loop for NestedLoop<'_> {
             }
             // The last digit comes after no others.
             if block < last {
-                for l in 0..made {
+                for l in 0..made.min((last - block).next_multiple_of(LANES)) {
                     [_, turns[l]] = unit_pair([draws[0][l], draws[1][l], draws[2][l]]);
                 }
             }
@@ -127,15 +127,18 @@ impl Loop for NestedLoop<'_> {
                     let (tails, turns) = (&mut tails[block..][..made], &mut turns[block..][..made]);
                     let entries = &mut table[block..][..made];
                     for l in 0..made {
-                        let (tail, turn) = (tails[l] * b, turns[l] * (b - 1.0));
+                        // Numbers that are not shared stay as they are: times 1, less 0. To leave
+                        // them out would make masked stores, which take some CPUs tens of cycles.
+                        let is_shared = (l as u64) < known as u64;
+                        let (of_tail, of_turn) = if is_shared { (b, b - 1.0) } else { (1.0, 1.0) };
+                        let (tail, turn) = (tails[l] * of_tail, turns[l] * of_turn);
                         let (digit, factor) = (tail.floor(), turn.floor());
                         digits[l] = digit;
                         factors[l] = factor + 1.0;
-                        before[l] = entries[l] * b;
-                        let is_shared = (l as u64) < known as u64;
-                        tails[l] = if is_shared { tail - digit } else { tails[l] };
-                        turns[l] = if is_shared { turn - factor } else { turns[l] };
-                        entries[l] = if is_shared { before[l] + digit } else { entries[l] };
+                        before[l] = entries[l] * of_tail;
+                        tails[l] = tail - if is_shared { digit } else { 0.0 };
+                        turns[l] = turn - if is_shared { factor } else { 0.0 };
+                        entries[l] = before[l] + if is_shared { digit } else { 0.0 };
                     }
                 }
                 let mut at = block + width;

@@ -93,7 +93,12 @@ impl Vector for Avx2 {
     }
     #[inline(always)]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
-        intrinsic!(Self(_mm256_blendv_ps(no.0, yes.0, mask)))
+        // By bytes: where `no` is read from the place that the result goes to, a selection of
+        // floats would become a masked store, which some CPUs take tens of cycles for.
+        intrinsic!({
+            let (yes, no) = (_mm256_castps_si256(yes.0), _mm256_castps_si256(no.0));
+            Self(_mm256_castsi256_ps(_mm256_blendv_epi8(no, yes, _mm256_castps_si256(mask))))
+        })
     }
     #[inline(always)]
     fn load(values: &[f32]) -> Self {
