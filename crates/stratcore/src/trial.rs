@@ -27,7 +27,8 @@ pub fn trial_means(
     let block = BLOCK.min(usize::try_from(n).unwrap_or(BLOCK));
     let mut points = vec![0.0; block * set.dim];
     let mut values = vec![0.0; block];
-    for (trial, mean) in (first_trial..).zip(means) {
+    for (at, mean) in (0..).zip(means) {
+        let trial = first_trial.wrapping_add(at);
         let key = StreamKey { trial, ..set.key };
         let source = sampler.points(&PointSet { key, ..*set });
         let mut weight_sums = Vec::new();

@@ -172,7 +172,7 @@ impl Lanes {
             let within = has_sides & (before(a, b) | before(b, c) | before(c, a));
 
             let least = min(min(a[2], b[2]), c[2]);
-            let is_near = least <= 1e-9 * size;
+            let is_near = least <= 1e-6 * size;
             let (y0, y1, y2) = (a[1] / a[2], b[1] / b[2], c[1] / c[2]);
             self.rows[0][l] = if is_near { -0.5 } else { max(min(min(y0, y1), y2), -0.5) };
             self.rows[1][l] = if is_near { 0.5 } else { min(max3(y0, y1, y2), 0.5) };

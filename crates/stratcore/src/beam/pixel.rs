@@ -282,6 +282,9 @@ impl Integrand for PixelBeam {
     ) -> bool {
         /// Strata per axis up to which f32 positions leave no mark on the variance.
         const MAX_STRATA: u64 = 4096;
+        if means.is_empty() {
+            return true;
+        }
         if self.facets.is_empty() {
             means.fill(self.background);
             return true;
@@ -365,10 +368,12 @@ fn facet_lanes(facet: &Facet, depth_unit: f64) -> Facet32 {
     let w = &facet.inverse_depth.scaled(depth_unit.recip());
     // Each coefficient rounds by 2^-25 of itself, and the two fused steps once more.
     let w_slack = ((w.c.abs() + w.s.abs() + w.t.abs()) * 2f64.powi(-22)) as f32;
+    let nearest = (facet.nearest / depth_unit) as f32;
     Facet32 {
         lanes: lanes([facet.edges[0], facet.edges[1], facet.edges[2], *w]),
         w_slack,
-        w_hi: (facet.nearest / depth_unit) as f32 + 3.0 * w_slack,
+        w_hi: nearest + 3.0 * w_slack,
+        w_cap: nearest + 1.5 * w_slack,
         rows: [facet.rows[0] as f32 - 1e-6, facet.rows[1] as f32 + 1e-6],
         ..Facet32::default()
     }

@@ -27,14 +27,16 @@ pub(super) fn sums(
     let ([s, t, values], sorted) = room.columns(n_together * block);
     let (mut points, mut made): (Option<Box<dyn Points>>, _) = (None, None);
     let mut streams = Streams::new(isa, &set.key, trials.first);
-    for (first, sums) in (trials.first..).step_by(n_together).zip(sums.chunks_mut(n_together)) {
+    for (at, sums) in (0..).step_by(n_together).zip(sums.chunks_mut(n_together)) {
+        let first = trials.first.wrapping_add(at);
         sums.fill(0.0);
         for from in (0..n).step_by(block).take_while(|_| !trials.cancel.load(Ordering::Relaxed)) {
             let len = block.min((n - from) as usize);
             let all = sums.len() * len;
             let (s, t, values) = (&mut s[..all], &mut t[..all], &mut values[..all]);
             let columns = s.chunks_exact_mut(len).zip(t.chunks_exact_mut(len));
-            for (trial, (s, t)) in (first..).zip(columns) {
+            for (at, (s, t)) in (0..).zip(columns) {
+                let trial = first.wrapping_add(at);
                 // A set that is evaluated part by part is made once.
                 if made != Some(trial) {
                     let stream = streams.get(trial);

@@ -22,6 +22,8 @@ pub(crate) trait Loop {
 pub(crate) fn run(isa: Isa, body: impl Loop) {
     match isa.0 {
         Kind::Baseline => body.run::<false>(),
+        #[cfg(test)]
+        Kind::Wide => body.run::<false>(),
         // SAFETY: `Kind::Avx2` is made by `Isa::available` alone, which saw the features.
         #[cfg(target_arch = "x86_64")]
         Kind::Avx2 => unsafe { run_avx2(body) },

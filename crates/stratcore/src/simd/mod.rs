@@ -47,6 +47,9 @@ pub struct Isa(Kind);
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Baseline,
+    /// The plain twin in vectors of the greatest length, wherever the tests run.
+    #[cfg(test)]
+    Wide,
     #[cfg(target_arch = "x86_64")]
     Avx2,
     #[cfg(target_arch = "x86_64")]
@@ -80,10 +83,18 @@ impl Isa {
         found
     }
 
+    /// Those of [`Self::available`], and the plain twin in the widest vectors.
+    #[cfg(test)]
+    pub(crate) fn all() -> Vec<Self> {
+        [Self(Kind::Wide)].into_iter().chain(Self::available()).collect()
+    }
+
     /// For reports: "avx2".
     pub fn name(self) -> &'static str {
         match self.0 {
             Kind::Baseline => "baseline",
+            #[cfg(test)]
+            Kind::Wide => "wide",
             #[cfg(target_arch = "x86_64")]
             Kind::Avx2 => "avx2",
             #[cfg(target_arch = "x86_64")]
@@ -200,7 +211,9 @@ macro_rules! compiled_for {
     };
 }
 
-compiled_for!(baseline, "sse2", crate::simd::vector::Plain);
+compiled_for!(baseline, "sse2", crate::simd::vector::Plain<8>);
+#[cfg(test)]
+compiled_for!(wide, "sse2", crate::simd::vector::Plain<{ crate::simd::vector::MAX_LANES }>);
 #[cfg(target_arch = "x86_64")]
 compiled_for!(avx2, "avx2,fma", crate::simd::x86::Avx2);
 #[cfg(target_arch = "x86_64")]
@@ -213,6 +226,10 @@ macro_rules! dispatch {
             // SAFETY: SSE2 is part of x86-64; elsewhere the function asks for no feature.
             #[allow(unused_unsafe, reason = "safe to call where the feature is the target's own")]
             Kind::Baseline => unsafe { baseline::$kernel($($argument),*) },
+            // SAFETY: likewise.
+            #[cfg(test)]
+            #[allow(unused_unsafe, reason = "safe to call where the feature is the target's own")]
+            Kind::Wide => unsafe { wide::$kernel($($argument),*) },
             // SAFETY: `Kind::Avx2` is made by `Isa::available` alone, which saw the features.
             #[cfg(target_arch = "x86_64")]
             Kind::Avx2 => unsafe { avx2::$kernel($($argument),*) },

@@ -100,7 +100,8 @@ pub(super) struct Strip<V: Vector> {
     /// The middles; lanes beyond the last repeat some.
     s: V,
     t: V,
-    /// From row to row, t of the pixel.
+    /// Lower and upper ends, t of the pixel; and from the first's to the last's.
+    ends: [V; 2],
     rows: [f32; 2],
     /// Bit l: there is a stratum l.
     real: u32,
@@ -315,9 +316,11 @@ impl Tile {
     pub(super) fn strip<V: Vector>(&self, first: usize, n: usize, middles: &Middles) -> Strip<V> {
         let [s, t] = middles.load(first);
         let [_, rows] = &middles.0;
+        let half = V::splat(self.half[1]);
         Strip {
             s,
             t,
+            ends: [t.sub(half), t.add(half)],
             rows: [rows[first] - self.half[1], rows[first + n - 1] + self.half[1]],
             real: V::mask_bits(V::mask_all()) >> (V::LANES - n),
         }
@@ -364,7 +367,7 @@ impl<V: Vector> Strip<V> {
     /// Which strata a facet may be seen in, before `horizon`; none: in none.
     #[inline(always)]
     pub(super) fn meet(&self, probe: &Probe, horizon: V) -> Option<Met<V>> {
-        let Self { s, t, rows, real } = *self;
+        let Self { s, t, ends, rows, real } = *self;
         if probe.rows[1] < rows[0] || probe.rows[0] > rows[1] {
             return None;
         }
@@ -373,7 +376,11 @@ impl<V: Vector> Strip<V> {
         let w_high = spans.high(3, s, t);
         let w_hi = w_high.min(V::splat(probe.w_hi));
         let least = edges[0].min(edges[1]).min(edges[2]);
+        // Stratum by stratum, so that what is cut does not go by the vector's length.
+        let [above, below] =
+            [V::splat(probe.rows[1]).ge(ends[0]), ends[1].ge(V::splat(probe.rows[0]))];
         let touches = V::mask_and(least.ge(V::splat(0.0)), w_hi.ge(horizon));
+        let touches = V::mask_and(touches, V::mask_and(above, below));
         let strata = V::mask_bits(touches) & real;
         (strata != 0).then_some(Met { edges, w_high, w_hi, touches, strata })
     }

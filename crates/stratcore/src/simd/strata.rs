@@ -13,7 +13,8 @@ use super::visible::visible;
 use super::{Entry, Facet32, Pixel32, Strata, Work};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Samples added in f32 before the sum moves to f64: few enough to lose nothing.
+/// Samples added in f32 before the sum moves to f64: few enough to lose no more than the rounding
+/// of the values themselves does.
 const RUN: usize = 16;
 
 /// The trials of a call.
@@ -116,8 +117,8 @@ fn fill_groups<S: Shader, V: Vector, const K: usize>(
     for (sum, group) in sums.iter_mut().zip(&*groups) {
         *sum = group.sum;
     }
-    for j in rect.j[0]..rect.j[1] {
-        for start in (rect.i[0]..rect.i[1]).step_by(RUN) {
+    for start in (rect.i[0]..rect.i[1]).step_by(RUN) {
+        for j in rect.j[0]..rect.j[1] {
             let mut runs = [V::splat(0.0); K];
             for i in start..rect.i[1].min(start + RUN as u32) {
                 let (index, origin) = (strata.index(i, j), strata.origin(i, j));

@@ -23,6 +23,8 @@ pub(crate) struct Facet32 {
     pub w_slack: f32,
     /// Greatest 1/t in the pixel, at the least. Facets come in falling order of it.
     pub w_hi: f32,
+    /// Greatest 1/t that a sample is given: below `w_hi` by more than the rounding of 1/t.
+    pub w_cap: f32,
     /// Reaches from row to row, t of the pixel, at the most.
     pub rows: [f32; 2],
     /// Radiance as a polynomial c, s, t, ss, st, tt; under other shaders than the polynomial
@@ -91,7 +93,8 @@ pub(crate) struct Entry {
     pub shadowed: bool,
     /// Bit e: a part of the rectangle may lie outside of edge e.
     pub(super) edges: u8,
-    /// No nearer than this anywhere in the rectangle.
+    /// No nearer than this anywhere in the rectangle; in a stratum's list, neither it nor any
+    /// later entry.
     pub(super) w_hi: f32,
 }
 

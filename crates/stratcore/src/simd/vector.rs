@@ -92,20 +92,24 @@ pub(super) const CULL_SLACK: f32 = 1e-6;
 /// The widest vector there is.
 pub(super) const MAX_LANES: usize = 16;
 
-/// Eight lanes as a plain array.
+/// L lanes as a plain array: eight, and in tests also as many as the widest vector has.
 #[derive(Clone, Copy)]
-pub(super) struct Plain([f32; 8]);
+pub(super) struct Plain<const L: usize>([f32; L]);
 
 #[inline(always)]
-fn each<A: Copy, B: Copy, C>(a: [A; 8], b: [B; 8], f: impl Fn(A, B) -> C) -> [C; 8] {
+fn each<const L: usize, A: Copy, B: Copy, C>(
+    a: [A; L],
+    b: [B; L],
+    f: impl Fn(A, B) -> C,
+) -> [C; L] {
     std::array::from_fn(|l| f(a[l], b[l]))
 }
 
-impl Vector for Plain {
-    const LANES: usize = 8;
-    type Int = [u32; 8];
-    type Mask = [bool; 8];
-    type Sum = [f64; 8];
+impl<const L: usize> Vector for Plain<L> {
+    const LANES: usize = L;
+    type Int = [u32; L];
+    type Mask = [bool; L];
+    type Sum = [f64; L];
 
     #[inline(always)]
     fn range(functions: &Lanes4, rect: &Extent) -> Range4 {
@@ -123,7 +127,7 @@ impl Vector for Plain {
     }
     #[inline(always)]
     fn splat(x: f32) -> Self {
-        Self([x; 8])
+        Self([x; L])
     }
     #[inline(always)]
     fn add(self, other: Self) -> Self {
@@ -184,19 +188,19 @@ impl Vector for Plain {
     }
     #[inline(always)]
     fn store(self) -> [f32; MAX_LANES] {
-        std::array::from_fn(|l| if l < 8 { self.0[l] } else { 0.0 })
+        std::array::from_fn(|l| if l < L { self.0[l] } else { 0.0 })
     }
     #[inline(always)]
     fn write(self, values: &mut [f32]) {
-        values[..8].copy_from_slice(&self.0);
+        values[..L].copy_from_slice(&self.0);
     }
     #[inline(always)]
     fn mask_none() -> Self::Mask {
-        [false; 8]
+        [false; L]
     }
     #[inline(always)]
     fn mask_all() -> Self::Mask {
-        [true; 8]
+        [true; L]
     }
     #[inline(always)]
     fn mask_and(a: Self::Mask, b: Self::Mask) -> Self::Mask {
@@ -212,11 +216,11 @@ impl Vector for Plain {
     }
     #[inline(always)]
     fn mask_bits(mask: Self::Mask) -> u32 {
-        (0..8).map(|l| u32::from(mask[l]) << l).sum()
+        (0..L).map(|l| u32::from(mask[l]) << l).sum()
     }
     #[inline(always)]
     fn int_splat(x: u32) -> Self::Int {
-        [x; 8]
+        [x; L]
     }
     #[inline(always)]
     fn int_load(values: &[u32]) -> Self::Int {
@@ -240,7 +244,7 @@ impl Vector for Plain {
     }
     #[inline(always)]
     fn sum_zero() -> Self::Sum {
-        [0.0; 8]
+        [0.0; L]
     }
     #[inline(always)]
     fn sum_add(sum: Self::Sum, x: Self) -> Self::Sum {
@@ -252,6 +256,6 @@ impl Vector for Plain {
     }
     #[inline(always)]
     fn sum_store(sum: Self::Sum) -> [f64; MAX_LANES] {
-        std::array::from_fn(|l| if l < 8 { sum[l] } else { 0.0 })
+        std::array::from_fn(|l| if l < L { sum[l] } else { 0.0 })
     }
 }

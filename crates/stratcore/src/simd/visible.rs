@@ -57,7 +57,9 @@ impl<V: Vector> Sample<V> {
         let Self { s, t, .. } = *self;
         let facet = candidate.facet;
         let (zero, limit) = (V::splat(0.0), V::splat(DOUBT));
-        let w = affine(&facet.lanes, 3, s, t);
+        // Beyond a needle's tip the plane may come nearer than the facet does, which raises a doubt
+        // or not as neighbouring lanes need the facet or not. Capped, it raises none.
+        let w = affine(&facet.lanes, 3, s, t).min(V::splat(facet.w_cap));
         let gap = w.sub(self.nearest);
         let slack = V::splat(facet.w_slack);
         let both = slack.add(self.nearest_slack);
