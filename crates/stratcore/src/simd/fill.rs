@@ -1,6 +1,6 @@
-//! Loops that fill arrays, compiled once for each instruction set.
+//! Plain loops, compiled once for each instruction set: samplers', set-up, sums.
 //!
-//! A sampler writes its loop once, on plain arrays and integers; here the compiler makes
+//! They are written once, on plain arrays; here the compiler makes
 //! vectors of it, under the target features that the machine has. There is no other version:
 //! every operation is an integer's or a single IEEE one, so all instruction sets give the same
 //! bits.

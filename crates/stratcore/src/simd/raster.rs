@@ -1,4 +1,4 @@
-//! A tile of strata, drawn into by facets, as many strata at a time as a vector has lanes.
+//! A tile of strata, drawn into by facets, in vectors of strata.
 //!
 //! Facets come front to back. An edge function that is nowhere positive in a stratum keeps the
 //! facet out of it; three that are positive throughout make it cover the stratum and hide what
