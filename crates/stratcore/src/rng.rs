@@ -29,6 +29,9 @@ pub struct StreamKey {
     pub trial: u32,
 }
 
+/// Trials whose streams are made together: enough for vectors, and few are made in vain.
+pub(crate) const TOGETHER: usize = 8;
+
 impl StreamKey {
     /// Pixels per axis that can be addressed: 2^20.
     pub const MAX_PIXEL: u32 = 1 << 20;

@@ -1,6 +1,6 @@
 //! Trials of points that the kernels do not draw themselves.
 
-use crate::rng::{Stream, StreamKey};
+use crate::rng::{Stream, StreamKey, TOGETHER};
 use crate::sampler::{PointSet, Points, Sampler};
 use crate::simd::{self, Isa, Loop, Scattered, Sorted, Trials};
 use std::sync::atomic::Ordering;
@@ -62,41 +62,29 @@ struct Streams<'a> {
     isa: Isa,
     key: &'a StreamKey,
     first: u32,
-    made: [Stream; TRIALS],
+    made: [Stream; TOGETHER],
 }
-
-const TRIALS: usize = 8;
 
 impl<'a> Streams<'a> {
     fn new(isa: Isa, key: &'a StreamKey, first: u32) -> Self {
-        let mut streams = Self { isa, key, first, made: [Stream::of_bits(0); TRIALS] };
-        streams.make(first);
+        let mut streams = Self { isa, key, first, made: [Stream::of_bits(0); TOGETHER] };
+        simd::run(isa, &mut streams);
         streams
     }
 
-    fn make(&mut self, first: u32) {
-        self.first = first;
-        simd::run(self.isa, StreamLoop { key: self.key, first, made: &mut self.made });
-    }
-
     fn get(&mut self, trial: u32) -> &Stream {
-        if trial.wrapping_sub(self.first) as usize >= TRIALS {
-            self.make(trial);
+        if trial.wrapping_sub(self.first) as usize >= TOGETHER {
+            self.first = trial;
+            simd::run(self.isa, &mut *self);
         }
-        &self.made[trial.wrapping_sub(self.first) as usize % TRIALS]
+        &self.made[trial.wrapping_sub(self.first) as usize]
     }
 }
 
-struct StreamLoop<'a> {
-    key: &'a StreamKey,
-    first: u32,
-    made: &'a mut [Stream; TRIALS],
-}
-
-impl Loop for StreamLoop<'_> {
+impl Loop for &mut Streams<'_> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        *self.made = self.key.streams_of_trials(self.first);
+        self.made = self.key.streams_of_trials(self.first);
     }
 }
 

@@ -1,7 +1,7 @@
 //! Points of many trials at once: a lane is a trial.
 
 use super::vector::{MAX_LANES, Vector};
-use crate::rng::{Stream, StreamKey};
+use crate::rng::{Stream, StreamKey, TOGETHER};
 use std::sync::atomic::AtomicBool;
 
 /// Trials from `first` on.
@@ -48,17 +48,15 @@ impl<V: Vector> Group<V> {
         n_trials: usize,
         groups: &mut Vec<Self>,
     ) -> Option<Spread<V>> {
-        /// Trials whose words are made together.
-        const MADE: usize = 8;
         groups.clear();
         let mut spread = None;
         for at in (0..n_trials).step_by(MAX_LANES) {
             let mut words = [[0; MAX_LANES]; 2];
-            for from in (0..MAX_LANES.min(n_trials - at)).step_by(MADE) {
+            for from in (0..MAX_LANES.min(n_trials - at)).step_by(TOGETHER) {
                 let first = trials.first.wrapping_add((at + from) as u32);
-                let made = trials.key.words_of_trials::<MADE>(first);
+                let made = trials.key.words_of_trials::<TOGETHER>(first);
                 for (words, made) in words.iter_mut().zip(made) {
-                    words[from..from + MADE].copy_from_slice(&made);
+                    words[from..from + TOGETHER].copy_from_slice(&made);
                 }
             }
             for word in words.as_flattened_mut() {

@@ -1,9 +1,8 @@
 //! Plain loops, compiled once for each instruction set: samplers', set-up, sums.
 //!
-//! They are written once, on plain arrays; here the compiler makes
-//! vectors of it, under the target features that the machine has. There is no other version:
-//! every operation is an integer's or a single IEEE one, so all instruction sets give the same
-//! bits.
+//! They are written once, on plain arrays; here the compiler makes vectors of them, under the
+//! target features that the machine has. There is no other version: every operation is an
+//! integer's or a single IEEE one, so all instruction sets give the same bits.
 
 use super::{Isa, Kind};
 
