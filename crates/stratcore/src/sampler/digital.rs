@@ -155,7 +155,7 @@ impl Loop for AxisLoop<'_, '_> {
         while at < len {
             let end = BLOCK.min(skipped + len - at);
             scrambled.block(first, own, &mut made[..end]);
-            target.put(axis, at, &made[skipped..end]);
+            target.put(axis, at, made[skipped..end].iter().copied());
             at += end - skipped;
             first += BLOCK as u64;
             skipped = 0;

@@ -135,10 +135,11 @@ impl Loop for NestedLoop<'_> {
                         let (digit, factor) = (tail.floor(), turn.floor());
                         digits[l] = digit;
                         factors[l] = factor + 1.0;
-                        before[l] = entries[l] * of_tail;
+                        let moved = entries[l] * of_tail;
+                        before[l] = moved;
                         tails[l] = tail - if is_shared { digit } else { 0.0 };
                         turns[l] = turn - if is_shared { factor } else { 0.0 };
-                        entries[l] = before[l] + if is_shared { digit } else { 0.0 };
+                        entries[l] = moved + if is_shared { digit } else { 0.0 };
                     }
                 }
                 let mut at = block + width;

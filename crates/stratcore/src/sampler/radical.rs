@@ -162,14 +162,8 @@ impl Loop for FractionLoop<'_, '_> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let Self { sums, scale, target, axis, at } = self;
-        let mut made = [0.0; BLOCK];
-        for (at, sums) in (at..).step_by(BLOCK).zip(sums.chunks(BLOCK)) {
-            let made = &mut made[..sums.len()];
-            for (x, sum) in made.iter_mut().zip(sums) {
-                *x = scale.divide::<FMA>(*sum).min(BELOW_ONE);
-            }
-            target.put(axis, at, made);
-        }
+        let fraction = |sum: &f64| scale.divide::<FMA>(*sum).min(BELOW_ONE);
+        target.put(axis, at, sums.iter().map(fraction));
     }
 }
 

@@ -20,17 +20,17 @@ impl Target<'_> {
 
     /// Writes coordinate `axis` of the points from number `at` of the run on.
     #[inline(always)]
-    pub(super) fn put(&mut self, axis: usize, at: usize, coordinates: &[f64]) {
+    pub(super) fn put(&mut self, axis: usize, at: usize, coordinates: impl Iterator<Item = f64>) {
         match self {
             Self::Rows { points, dim } => {
                 let points = points[at * *dim..].chunks_exact_mut(*dim);
                 for (point, x) in points.zip(coordinates) {
-                    point[axis] = *x;
+                    point[axis] = x;
                 }
             }
             Self::Centred(axes) => {
                 for (to, x) in axes[axis][at..].iter_mut().zip(coordinates) {
-                    *to = centred(*x);
+                    *to = centred(x);
                 }
             }
         }

@@ -148,7 +148,7 @@ impl Loop for PairLoop<'_, '_> {
             let len = BLOCK.min(n - at);
             let block = sequence.block(first + at as u64, len);
             for (axis, coordinates) in axes.clone().zip(&block) {
-                target.put(axis, at, &coordinates[..len]);
+                target.put(axis, at, coordinates[..len].iter().copied());
             }
         }
     }
