@@ -161,14 +161,22 @@ impl Stream {
         }
     }
 
-    /// The first `len` of a block of draws from number `first` on, each word by draw.
+    /// Every `step`-th draw from number `first` on, `len` of them, each word by draw.
     #[inline(always)]
-    pub(crate) fn draws(&self, first: u32, len: usize, words: &mut [[u32; BLOCK]; 3]) {
-        let [low, second, third] = self.arguments(first.into());
+    pub(crate) fn draws(&self, first: u64, step: u32, len: usize, words: &mut [[u32; BLOCK]; 3]) {
         let [a, b, c] = words;
         let (a, b, c) = (&mut a[..len], &mut b[..len], &mut c[..len]);
-        for l in 0..len {
-            [a[l], b[l], c[l]] = pcg3d([low.wrapping_add(l as u32), second, third]);
+        let [low, second, third] = self.arguments(first);
+        if u64::from(low) + u64::from(step) * len as u64 <= 1 << 32 {
+            for l in 0..len {
+                let index = low.wrapping_add((l as u32).wrapping_mul(step));
+                [a[l], b[l], c[l]] = pcg3d([index, second, third]);
+            }
+        } else {
+            // The stream changes where the index outgrows 32 bits.
+            for l in 0..len {
+                [a[l], b[l], c[l]] = self.draw(first + l as u64 * u64::from(step));
+            }
         }
     }
 

@@ -291,7 +291,7 @@ impl Integrand for PixelBeam {
         }
         let n = set.key.n_samples;
         let placement = match set.scramble {
-            Scramble::None => sampler.placement(),
+            Scramble::None => sampler.placement(2),
             _ => Placement::Other,
         };
         let strata = match (placement, sampler.strata(n, 2).as_deref()) {

@@ -1,11 +1,12 @@
 //! Correlated multi-jittered sampling.
 
-use super::hash::splitmix;
+use super::hash::{splitmix, whole};
 use super::permutation::Permutation;
-use super::random::UniformPoints;
+use super::random::{Slabs, UniformPoints, count_up};
+use super::target::Target;
 use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble, strata_per_axis};
 use crate::rng::Stream;
-use crate::simd::Isa;
+use crate::simd::{Divisor, Isa};
 
 /// One point in each of the m × n cells of a grid and, at the same time, in each of the mn
 /// columns and mn rows. All columns of cells share one order of their rows' offsets, and all
@@ -36,6 +37,7 @@ impl Sampler for CorrelatedMultiJittered {
         let (columns, rows) = (strata[0], strata.get(1).copied().unwrap_or(1));
         let key = |axis| splitmix(stream.scramble_bits(), axis);
         Box::new(MultiJitteredPoints {
+            n: Divisor::new(set.key.n_samples),
             columns,
             rows,
             offset_of_row: Permutation::new(rows, key(0)),
@@ -46,6 +48,7 @@ impl Sampler for CorrelatedMultiJittered {
 }
 
 struct MultiJitteredPoints {
+    n: Divisor,
     columns: u64,
     rows: u64,
     offset_of_row: Permutation,
@@ -53,24 +56,46 @@ struct MultiJitteredPoints {
     offsets: UniformPoints,
 }
 
+impl Slabs for MultiJitteredPoints {
+    #[inline(always)]
+    fn count(&self, _axis: usize) -> Divisor {
+        self.n
+    }
+    /// Kensler 2013, section 2: the cell, then the slab within it.
+    #[inline(always)]
+    fn list<const FMA: bool>(&self, axis: usize, first: u64, slabs: &mut [f64]) {
+        let Self { columns, rows, .. } = *self;
+        let (mut column, mut row) = (first % columns, first / columns);
+        let mut rest = slabs;
+        while !rest.is_empty() {
+            let run = rest.len().min((columns - column) as usize);
+            let (slabs, others) = rest.split_at_mut(run);
+            if axis == 0 {
+                let offset = whole(self.offset_of_row.get(row));
+                count_up(column, slabs);
+                for slab in slabs {
+                    *slab = *slab * whole(rows) + offset;
+                }
+            } else {
+                let start = whole(row * columns);
+                self.offset_of_column.list(column, slabs);
+                for slab in slabs {
+                    *slab += start;
+                }
+            }
+            rest = others;
+            (column, row) = (0, row + 1);
+        }
+    }
+}
+
 impl Points for MultiJitteredPoints {
     fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
-        let n = self.columns * self.rows;
-        let (mut column, mut row) = (first % self.columns, first / self.columns);
-        self.offsets.fill_in_slabs(isa, n, first, points, |_, slabs| {
-            // Kensler 2013, section 2: the cell, then the slab within it.
-            let both = [
-                column * self.rows + self.offset_of_row.get(row),
-                row * self.columns + self.offset_of_column.get(column),
-            ];
-            for (slab, one) in slabs.iter_mut().zip(both) {
-                *slab = one;
-            }
-            column += 1;
-            if column == self.columns {
-                (column, row) = (0, row + 1);
-            }
-        });
+        let target = &mut Target::Rows { points, dim: self.offsets.dim };
+        self.offsets.write_in_slabs(isa, first, target, self);
+    }
+    fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
+        self.offsets.write_in_slabs(isa, first, &mut Target::Centred(columns), self);
     }
     fn renew(&mut self, stream: &Stream) -> bool {
         self.offsets.stream = *stream;

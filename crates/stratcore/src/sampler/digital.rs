@@ -1,7 +1,7 @@
 //! Digital sequences in base 2, a block of points at a time.
 
 use super::hash::{splitmix, unit};
-use super::owen::{DigitScramble, Indices, OwnBits, levels};
+use super::owen::{DigitScramble, Indices, levels, own_bits};
 use super::target::Target;
 use super::{PointSet, Points, Scramble};
 use crate::rng::Stream;
@@ -83,13 +83,19 @@ fn xors<T: Copy + BitXor<Output = T>>(columns: &[T; 32], first: u64, origin: T) 
 }
 
 impl Axis {
-    /// Coordinates of the points of a block, which begins at a multiple of its length.
+    /// Whether points have bits of their own behind the digits that tell them apart.
     #[inline(always)]
-    fn block(&self, first: u64, own: OwnBits, coordinates: &mut [f64]) {
+    fn has_own_bits(&self) -> bool {
+        matches!(self, Self::Digits { scramble, .. } if scramble.has_own_bits())
+    }
+
+    /// Coordinates of the points of a block, which begins at a multiple of its length; `own` are
+    /// the bits of those that have some.
+    #[inline(always)]
+    fn block(&self, first: u64, own: &[u32; BLOCK], coordinates: &mut [f64]) {
         match self {
             Self::Digits { columns, scramble } => {
-                let (digits, indices) = (xors(columns, first, 0), Indices::From(first));
-                scramble.coordinates(&digits, indices, own, coordinates);
+                scramble.coordinates(&xors(columns, first, 0), own, coordinates);
             }
             Self::Linear { columns, shift } => {
                 for (x, bits) in coordinates.iter_mut().zip(xors(columns, first, *shift)) {
@@ -102,9 +108,9 @@ impl Axis {
 
 impl DigitalPoints {
     fn write(&self, isa: Isa, first: u64, target: &mut Target<'_>) {
-        for (axis, scrambled) in self.axes.iter().enumerate() {
-            let own = OwnBits::new(splitmix(self.own, axis as u64 / 2), axis);
-            simd::run(isa, AxisLoop { scrambled, own, first, target, axis });
+        for (pair, axes) in self.axes.chunks(2).enumerate() {
+            let own = splitmix(self.own, pair as u64);
+            simd::run(isa, PairLoop { axes, own, first, target, axis: 2 * pair });
         }
     }
 }
@@ -122,7 +128,7 @@ impl Points for DigitalPoints {
             let key = splitmix(bits, number);
             match axis {
                 Axis::Digits { scramble, .. } => {
-                    *scramble = DigitScramble::new(self.scramble, key, self.levels);
+                    scramble.renew(self.scramble, key, self.levels);
                 }
                 Axis::Linear { columns, shift } => {
                     **columns = linear_scramble(matrix, self.levels, key);
@@ -135,27 +141,34 @@ impl Points for DigitalPoints {
     }
 }
 
-/// One coordinate of points `first ..`.
-struct AxisLoop<'a, 'b> {
-    scrambled: &'a Axis,
-    own: OwnBits,
+/// One or two coordinates of points `first ..`, from number `axis` on.
+struct PairLoop<'a, 'b> {
+    axes: &'a [Axis],
+    /// Key of the bits that points have of their own.
+    own: u64,
     first: u64,
     target: &'a mut Target<'b>,
     axis: usize,
 }
 
-impl Loop for AxisLoop<'_, '_> {
+impl Loop for PairLoop<'_, '_> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        let Self { scrambled, own, first, target, axis } = self;
+        let Self { axes, own: key, first, target, axis } = self;
+        let has_own_bits = axes.iter().any(Axis::has_own_bits);
         let mut skipped = (first % BLOCK as u64) as usize;
         let mut first = first - skipped as u64;
-        let mut made = [0.0; BLOCK];
+        let (mut made, mut own) = ([0.0; BLOCK], [[0; BLOCK]; 2]);
         let (mut at, len) = (0, target.len());
         while at < len {
             let end = BLOCK.min(skipped + len - at);
-            scrambled.block(first, own, &mut made[..end]);
-            target.put(axis, at, made[skipped..end].iter().copied());
+            if has_own_bits {
+                own = own_bits(key, Indices::From(first));
+            }
+            for (axis, (scrambled, own)) in (axis..).zip(axes.iter().zip(&own)) {
+                scrambled.block(first, own, &mut made[..end]);
+                target.put(axis, at, made[skipped..end].iter().copied());
+            }
             at += end - skipped;
             first += BLOCK as u64;
             skipped = 0;

@@ -24,7 +24,7 @@ impl Sampler for Jittered {
             is_random: true,
         }
     }
-    fn placement(&self) -> Placement {
+    fn placement(&self, _dim: usize) -> Placement {
         Placement::Strata
     }
     fn construct(&self, set: &PointSet) -> Box<dyn Points> {

@@ -3,10 +3,11 @@
 use super::hash::splitmix;
 use super::jittered::planar_strata;
 use super::permutation::Permutation;
-use super::random::UniformPoints;
-use super::{Admissible, BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble};
+use super::random::{Slabs, UniformPoints, count_up};
+use super::target::Target;
+use super::{Admissible, Facts, Kind, Placement, PointSet, Points, Sampler, Scramble};
 use crate::rng::Stream;
-use crate::simd::Isa;
+use crate::simd::{Divisor, Isa};
 
 /// A jittered set of N = k² points for each two axes and, where d is odd, one of N strata for
 /// the last; the sets are put together in random orders. Every pair of axes is stratified as
@@ -42,6 +43,10 @@ impl Sampler for JitteredPadded {
             _ => None,
         }
     }
+    fn placement(&self, dim: usize) -> Placement {
+        // A single set has nothing to be put in another order with.
+        if dim <= 2 { Placement::Strata } else { Placement::Other }
+    }
     fn construct(&self, set: &PointSet) -> Box<dyn Points> {
         let (n, stream) = (set.key.n_samples, set.key.stream());
         // The first set keeps its order: the whole is the same.
@@ -49,8 +54,8 @@ impl Sampler for JitteredPadded {
             .map(|pair| Permutation::new(n, splitmix(stream.scramble_bits(), pair)))
             .collect();
         Box::new(PaddedCells {
-            n,
-            strata: planar_strata(n),
+            n: Divisor::new(n),
+            strata: planar_strata(n).map(Divisor::new),
             others,
             offsets: UniformPoints { stream, dim: set.dim },
         })
@@ -58,34 +63,48 @@ impl Sampler for JitteredPadded {
 }
 
 struct PaddedCells {
-    n: u64,
+    n: Divisor,
     /// Columns and rows of each pair's grid.
-    strata: [u64; 2],
+    strata: [Divisor; 2],
     /// In which order each set but the first takes its cells.
     others: Vec<Permutation>,
     offsets: UniformPoints,
 }
 
-impl Points for PaddedCells {
-    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
-        self.offsets.fill_with(isa, first, points);
-        let [columns, rows] = self.strata;
-        // With many strata a point can round up to 1.
-        let within = |cell: u64, x: f64, k: u64| ((cell as f64 + x) / k as f64).min(BELOW_ONE);
-        for (index, point) in (first..).zip(points.chunks_exact_mut(self.offsets.dim)) {
-            let cells = std::iter::once(index).chain(self.others.iter().map(|o| o.get(index)));
-            for (slot, cell) in point.chunks_mut(2).zip(cells) {
-                match slot {
-                    [x, y] => {
-                        *x = within(cell % columns, *x, columns);
-                        *y = within(cell / columns, *y, rows);
-                    }
-                    // A last axis by itself.
-                    [x] => *x = within(cell, *x, self.n),
-                    _ => {}
-                }
+impl Slabs for PaddedCells {
+    #[inline(always)]
+    fn count(&self, axis: usize) -> Divisor {
+        if self.is_alone(axis) { self.n } else { self.strata[axis % 2] }
+    }
+    #[inline(always)]
+    fn list<const FMA: bool>(&self, axis: usize, first: u64, slabs: &mut [f64]) {
+        match (axis / 2).checked_sub(1) {
+            None => count_up(first, slabs),
+            Some(other) => self.others[other].list(first, slabs),
+        }
+        if !self.is_alone(axis) {
+            for slab in slabs {
+                let [row, column] = self.strata[0].div_rem::<FMA>(*slab);
+                *slab = if axis.is_multiple_of(2) { column } else { row };
             }
         }
+    }
+}
+
+impl PaddedCells {
+    /// A last axis by itself.
+    fn is_alone(&self, axis: usize) -> bool {
+        axis.is_multiple_of(2) && axis + 1 == self.offsets.dim
+    }
+}
+
+impl Points for PaddedCells {
+    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
+        let target = &mut Target::Rows { points, dim: self.offsets.dim };
+        self.offsets.write_in_slabs(isa, first, target, self);
+    }
+    fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
+        self.offsets.write_in_slabs(isa, first, &mut Target::Centred(columns), self);
     }
     fn renew(&mut self, stream: &Stream) -> bool {
         self.offsets.stream = *stream;

@@ -2,10 +2,11 @@
 
 use super::hash::splitmix;
 use super::permutation::Permutation;
-use super::random::UniformPoints;
+use super::random::{Slabs, UniformPoints, count_up};
+use super::target::Target;
 use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
 use crate::rng::{Stream, StreamKey};
-use crate::simd::Isa;
+use crate::simd::{Divisor, Isa};
 
 /// N-rooks: along each axis the N points lie in N different slabs, paired at random between
 /// axes, each point uniform in its cell.
@@ -32,24 +33,38 @@ impl Sampler for LatinHypercube {
         let key = |axis| splitmix(stream.scramble_bits(), axis);
         // The first axis keeps its order: the set is the same.
         let others = (1..set.dim as u64).map(|axis| Permutation::new(n, key(axis))).collect();
-        Box::new(RooksPoints { n, others, offsets: UniformPoints { stream, dim: set.dim } })
+        let offsets = UniformPoints { stream, dim: set.dim };
+        Box::new(RooksPoints { n: Divisor::new(n), others, offsets })
     }
 }
 
 struct RooksPoints {
-    n: u64,
+    n: Divisor,
     others: Vec<Permutation>,
     offsets: UniformPoints,
 }
 
+impl Slabs for RooksPoints {
+    #[inline(always)]
+    fn count(&self, _axis: usize) -> Divisor {
+        self.n
+    }
+    #[inline(always)]
+    fn list<const FMA: bool>(&self, axis: usize, first: u64, slabs: &mut [f64]) {
+        match axis.checked_sub(1) {
+            None => count_up(first, slabs),
+            Some(other) => self.others[other].list(first, slabs),
+        }
+    }
+}
+
 impl Points for RooksPoints {
     fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
-        self.offsets.fill_in_slabs(isa, self.n, first, points, |index, slabs| {
-            slabs[0] = index;
-            for (slab, permutation) in slabs[1..].iter_mut().zip(&self.others) {
-                *slab = permutation.get(index);
-            }
-        });
+        let target = &mut Target::Rows { points, dim: self.offsets.dim };
+        self.offsets.write_in_slabs(isa, first, target, self);
+    }
+    fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
+        self.offsets.write_in_slabs(isa, first, &mut Target::Centred(columns), self);
     }
     fn renew(&mut self, stream: &Stream) -> bool {
         self.offsets.stream = *stream;

@@ -209,8 +209,9 @@ pub trait Sampler: Send + Sync {
     fn strata(&self, n: u64, dim: usize) -> Option<Vec<u64>> {
         (self.facts().counts == Admissible::Cells).then(|| strata_per_axis(n, dim))
     }
-    /// How its unscrambled points lie, for integrands that make the same points themselves.
-    fn placement(&self) -> Placement {
+    /// How its unscrambled points in `dim` dimensions lie, for integrands that make the same
+    /// points themselves.
+    fn placement(&self, _dim: usize) -> Placement {
         Placement::Other
     }
     /// Makes the points of its own construction and of those scrambles that work on it.

@@ -101,7 +101,7 @@ impl Loop for NestedLoop<'_> {
         for block in (0..len).step_by(BLOCK) {
             let made = BLOCK.min(len.next_multiple_of(LANES) - block);
             let (tails, turns) = (&mut tails[block..][..made], &mut turns[block..][..made]);
-            stream.draws(block as u32, made, draws);
+            stream.draws(block as u64, 1, made, draws);
             for l in 0..made {
                 [tails[l], _] = unit_pair([draws[0][l], draws[1][l], draws[2][l]]);
             }
@@ -185,7 +185,7 @@ impl Loop for BinaryLoop<'_> {
         let words = &mut words[..table.len()];
         for block in (0..len).step_by(BLOCK) {
             let made = BLOCK.min(len.next_multiple_of(LANES) - block);
-            stream.draws(block as u32, made, draws);
+            stream.draws(block as u64, 1, made, draws);
             let [high, low, _] = &*draws;
             for (word, (high, low)) in words[block..][..made].iter_mut().zip(high.iter().zip(low)) {
                 *word = u64::from(*high) << 32 | u64::from(*low);

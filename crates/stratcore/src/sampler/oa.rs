@@ -1,11 +1,13 @@
 //! Orthogonal array sampling, strength 2.
 
-use super::hash::splitmix;
+use super::hash::{splitmix, whole};
 use super::jittered::root_floor;
 use super::permutation::Permutation;
-use super::random::UniformPoints;
+use super::random::{Slabs, UniformPoints};
+use super::target::Target;
 use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
-use crate::simd::Isa;
+use crate::rng::Stream;
+use crate::simd::{Divisor, Isa};
 
 /// N = p² points, p prime, in up to p + 1 dimensions: every pair of dimensions sees one point
 /// in each of its p × p cells, as correlated multi-jitter would, and every single dimension one
@@ -67,34 +69,53 @@ struct ArrayPoints {
     offsets: UniformPoints,
 }
 
+impl Slabs for ArrayPoints {
+    #[inline(always)]
+    fn count(&self, _axis: usize) -> Divisor {
+        Divisor::new(self.p * self.p)
+    }
+    #[inline(always)]
+    fn list<const FMA: bool>(&self, axis: usize, first: u64, slabs: &mut [f64]) {
+        let p = self.p;
+        // Bose's array over the integers modulo p: any two of its columns take every pair of
+        // values once. The symbol of point (row, column) is a row plus so many columns.
+        let times = |axis: u64| axis.saturating_sub(1);
+        let symbol = |axis: u64, row: u64, column: u64| match axis {
+            1 => column,
+            _ => (row + times(axis) % p * column) % p,
+        };
+        let axis = axis as u64;
+        // Another column numbers the p points of a stratum (Jarosz et al. 2019, section 4).
+        let other = match axis {
+            _ if axis % 2 == 1 => axis - 1,
+            _ if axis < p => axis + 1,
+            _ => 0,
+        };
+        let [strata, within] = &self.permutations[axis as usize];
+        for (index, slab) in (first..).zip(slabs) {
+            let (row, column) = (index / p, index % p);
+            let stratum = strata.get(symbol(axis, row, column));
+            *slab = whole(stratum * p + within.get(symbol(other, row, column)));
+        }
+    }
+}
+
 impl Points for ArrayPoints {
     fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
-        let p = self.p;
-        let (mut row, mut column) = (first / p, first % p);
-        self.offsets.fill_in_slabs(isa, p * p, first, points, |_, slabs| {
-            // Bose's array over the integers modulo p: any two of its columns take every pair
-            // of values once.
-            let symbol = |axis: u64| match axis {
-                0 => row,
-                1 => column,
-                _ => (row + (axis - 1) * column) % p,
-            };
-            for (axis, (slab, [strata, within])) in
-                (0..).zip(slabs.iter_mut().zip(&self.permutations))
-            {
-                // Another column numbers the p points of a stratum (Jarosz et al. 2019,
-                // section 4).
-                let other = match axis {
-                    _ if axis % 2 == 1 => axis - 1,
-                    _ if axis < p => axis + 1,
-                    _ => 0,
-                };
-                *slab = strata.get(symbol(axis)) * p + within.get(symbol(other));
+        let target = &mut Target::Rows { points, dim: self.offsets.dim };
+        self.offsets.write_in_slabs(isa, first, target, self);
+    }
+    fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
+        self.offsets.write_in_slabs(isa, first, &mut Target::Centred(columns), self);
+    }
+    fn renew(&mut self, stream: &Stream) -> bool {
+        self.offsets.stream = *stream;
+        for (axis, both) in (0..).zip(&mut self.permutations) {
+            let key = splitmix(stream.scramble_bits(), axis);
+            for (which, permutation) in (0..).zip(both) {
+                permutation.renew(splitmix(key, which));
             }
-            column += 1;
-            if column == p {
-                (row, column) = (row + 1, 0);
-            }
-        });
+        }
+        true
     }
 }

@@ -2,17 +2,22 @@
 
 use super::Scramble;
 use super::hash::{SplitMix, splitmix, unit};
-use crate::simd::BLOCK;
+use crate::simd::{self, BLOCK, Isa, Loop};
 
 /// Levels of the digit tree that one hash decides: 63 nodes, one bit each.
 const STEP: u32 = 6;
+
+/// Levels up to which a scramble is a table: two hashes from the root to a leaf, 16 KiB.
+const MOST_TABLED: u32 = 2 * STEP;
 
 /// How the base-2 digits of a coordinate are scrambled.
 pub(super) enum DigitScramble {
     /// XORed with a word; zero: not at all.
     Xor(u64),
-    /// Truly.
+    /// Truly, digit by digit.
     Nested(NestedUniform),
+    /// Truly: the scrambled digits of every cell, as [`NestedUniform::tabulate`] has them.
+    Tabled(Vec<u32>),
     /// By a hash, with this seed.
     Hashed(u32),
 }
@@ -22,6 +27,11 @@ impl DigitScramble {
     /// not work on digits leave them alone.
     pub(super) fn new(scramble: Scramble, key: u64, levels: u32) -> Self {
         match scramble {
+            Scramble::Owen if levels <= MOST_TABLED => {
+                let mut table = vec![0; 1 << levels];
+                NestedUniform::new(key, levels).tabulate(&mut table);
+                Self::Tabled(table)
+            }
             Scramble::Owen => Self::Nested(NestedUniform::new(key, levels)),
             Scramble::OwenHash => Self::Hashed(key as u32),
             Scramble::XorShift => Self::Xor(key),
@@ -29,14 +39,28 @@ impl DigitScramble {
         }
     }
 
+    /// Becomes the same scramble named by another key.
+    pub(super) fn renew(&mut self, scramble: Scramble, key: u64, levels: u32) {
+        match self {
+            Self::Tabled(table) => NestedUniform::new(key, levels).tabulate(table),
+            _ => *self = Self::new(scramble, key, levels),
+        }
+    }
+
+    /// Whether points have bits of their own behind the digits that tell them apart.
+    #[inline(always)]
+    pub(super) fn has_own_bits(&self) -> bool {
+        matches!(self, Self::Nested(_) | Self::Tabled(_))
+    }
+
     /// Overwrites `coordinates`, at most a block of them, with those of points of these digits,
-    /// the leading one lowest; `own` makes each point's own bits from its index.
+    /// the leading one lowest, and of each point's own 32 bits, which not every scramble asks
+    /// for.
     #[inline(always)]
     pub(super) fn coordinates(
         &self,
         mirrored: &[u32; BLOCK],
-        indices: Indices<'_>,
-        own: OwnBits,
+        own: &[u32; BLOCK],
         coordinates: &mut [f64],
     ) {
         let points = coordinates.iter_mut().zip(mirrored);
@@ -53,9 +77,18 @@ impl DigitScramble {
                 }
                 let cells = &mut cells[..coordinates.len()];
                 scramble.scramble(cells);
-                let bits = own.list(indices);
-                for (x, (digits, bits)) in coordinates.iter_mut().zip(cells.iter().zip(&bits)) {
-                    *x = unit(scramble.fraction(*digits, *bits));
+                for (x, (digits, own)) in coordinates.iter_mut().zip(cells.iter().zip(own)) {
+                    *x = unit(fraction(*digits, scramble.levels, *own));
+                }
+            }
+            Self::Tabled(table) => {
+                let (levels, last) = (table.len().trailing_zeros(), table.len() - 1);
+                let mut cells = [0; BLOCK];
+                for (cell, digits) in cells.iter_mut().zip(mirrored) {
+                    *cell = table[*digits as usize & last];
+                }
+                for (x, (digits, own)) in coordinates.iter_mut().zip(cells.iter().zip(own)) {
+                    *x = unit(fraction((*digits).into(), levels, *own));
                 }
             }
             Self::Hashed(seed) => {
@@ -67,6 +100,13 @@ impl DigitScramble {
     }
 }
 
+/// The coordinate of `levels` scrambled digits, a fraction of 64 bits, with the point's own 32
+/// bits after them.
+#[inline(always)]
+fn fraction(digits: u64, levels: u32, own: u32) -> u64 {
+    digits << (64 - levels) | u64::from(own) << 32 >> levels
+}
+
 /// Which points of their sequence a block has.
 #[derive(Clone, Copy)]
 pub(super) enum Indices<'a> {
@@ -75,40 +115,29 @@ pub(super) enum Indices<'a> {
     Listed(&'a [u64; BLOCK]),
 }
 
-/// Makes the bits that a point has of its own, 32 for each of two coordinates.
-#[derive(Clone, Copy)]
-pub(super) struct OwnBits {
-    key: u64,
-    shift: u32,
-}
-
-impl OwnBits {
-    /// For the coordinate of this number, under the key of it and its neighbour.
-    pub(super) fn new(key: u64, axis: usize) -> Self {
-        Self { key, shift: if axis.is_multiple_of(2) { 0 } else { 32 } }
-    }
-
-    #[inline(always)]
-    fn list(self, indices: Indices<'_>) -> [u64; BLOCK] {
-        let mut bits = [0; BLOCK];
-        match indices {
-            Indices::From(first) => {
-                let mut own = SplitMix::new(self.key, first);
-                for bits in &mut bits {
-                    *bits = own.draw();
-                }
-            }
-            Indices::Listed(indices) => {
-                for (bits, index) in bits.iter_mut().zip(indices) {
-                    *bits = splitmix(self.key, *index);
-                }
+/// The bits that points have of their own, 32 for each of two coordinates, under the key of both.
+#[inline(always)]
+pub(super) fn own_bits(key: u64, indices: Indices<'_>) -> [[u32; BLOCK]; 2] {
+    let mut bits = [0; BLOCK];
+    match indices {
+        Indices::From(first) => {
+            let mut own = SplitMix::new(key, first);
+            for bits in &mut bits {
+                *bits = own.draw();
             }
         }
-        for bits in &mut bits {
-            *bits = *bits >> self.shift & 0xffff_ffff;
+        Indices::Listed(indices) => {
+            for (bits, index) in bits.iter_mut().zip(indices) {
+                *bits = splitmix(key, *index);
+            }
         }
-        bits
     }
+    let mut halves = [[0; BLOCK]; 2];
+    let [low, high] = &mut halves;
+    for (bits, (low, high)) in bits.iter().zip(low.iter_mut().zip(high)) {
+        [*low, *high] = [*bits as u32, (*bits >> 32) as u32];
+    }
+    halves
 }
 
 /// Owen's nested uniform scrambling of one coordinate (Owen, *Randomly Permuted (t,m,s)-Nets
@@ -160,12 +189,67 @@ impl NestedUniform {
         }
     }
 
-    /// The coordinate of scrambled digits, a fraction of 64 bits, with the point's own 32 bits
-    /// after them.
-    #[inline(always)]
-    fn fraction(&self, digits: u64, own: u64) -> u64 {
-        digits << (64 - self.levels) | own << 32 >> self.levels
+    /// Overwrites `table`, 2^levels long for at most [`MOST_TABLED`] levels, with the scrambled
+    /// digits of every cell: that of its own digits mirrored, the leading one lowest.
+    fn tabulate(&self, table: &mut [u32]) {
+        let [first, second, ..] = self.keys;
+        simd::run(Isa::detect(), TableLoop { keys: [first, second], levels: self.levels, table });
     }
+}
+
+/// Appends one digit after the other to the table's first entry. Cells that share their leading
+/// digits lie a power of two apart, so that both halves of each of them are made in vectors.
+struct TableLoop<'a> {
+    keys: [u64; 2],
+    levels: u32,
+    table: &'a mut [u32],
+}
+
+impl Loop for TableLoop<'_> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let Self { keys, levels, table } = self;
+        let halves = |nodes: u64| [nodes as u32, (nodes >> 32) as u32];
+        let append = |digits: &mut u32, one: &mut u32, flip: u32| {
+            let before = *digits << 1;
+            (*digits, *one) = (before | flip, before | flip ^ 1);
+        };
+        table[0] = 0;
+        let tree = halves(splitmix(keys[0], 0));
+        for level in 0..levels.min(STEP) {
+            let (digits, ones) = table.split_at_mut(1 << level);
+            // Node j of a level has bit 2^level + j of a tree.
+            let nodes = tree[usize::from(level == STEP - 1)];
+            for (at, (digits, one)) in (0..).zip(digits.iter_mut().zip(ones)) {
+                append(digits, one, nodes >> ((1 << level | mirrored(at, level)) % 32) & 1);
+            }
+        }
+        if levels <= STEP {
+            return;
+        }
+        let mut trees = [[0; 1 << STEP]; 2];
+        for at in 0..1 << STEP {
+            let nodes = splitmix(keys[1], mirrored(at, STEP).into());
+            [trees[0][at as usize], trees[1][at as usize]] = halves(nodes);
+        }
+        for level in STEP..levels {
+            let (digits, ones) = table.split_at_mut(1 << level);
+            let blocks = digits.chunks_exact_mut(1 << STEP).zip(ones.chunks_exact_mut(1 << STEP));
+            for (block, (digits, ones)) in (0..).zip(blocks) {
+                let node = 1 << (level - STEP) | mirrored(block, level - STEP);
+                let trees = &trees[node as usize / 32];
+                for (nodes, (digits, one)) in trees.iter().zip(digits.iter_mut().zip(ones)) {
+                    append(digits, one, nodes >> (node % 32) & 1);
+                }
+            }
+        }
+    }
+}
+
+/// The lowest `count` bits, at most 31, in the opposite order.
+#[inline(always)]
+fn mirrored(bits: u32, count: u32) -> u32 {
+    bits.reverse_bits() >> 1 >> (31 - count)
 }
 
 /// The bits of the STEP nodes on the way to leaf `local` of a subtree, the top one first.
@@ -235,14 +319,26 @@ mod tests {
         }
     }
 
+    #[test]
+    fn tables_hold_every_cell() {
+        for levels in 1..=MOST_TABLED {
+            let scramble = NestedUniform::new(99, levels);
+            let mut table = vec![u32::MAX; 1 << levels];
+            scramble.tabulate(&mut table);
+            for cell in 0..1 << levels {
+                let found = table[mirrored(cell, levels) as usize];
+                assert_eq!(found, scramble.digits(cell), "{levels}: {cell:b}");
+            }
+        }
+    }
+
     /// A point's own bits follow its digits at once.
     #[test]
     fn fractions_are_full() {
         for levels in [1, 6, 21, 32] {
-            let scramble = NestedUniform::new(99, levels);
             let digits = u64::MAX >> (64 - levels);
-            assert_eq!(scramble.fraction(digits, u32::MAX.into()).count_ones(), levels + 32);
-            assert_eq!(scramble.fraction(digits, 0).leading_ones(), levels);
+            assert_eq!(fraction(digits, levels, u32::MAX).count_ones(), levels + 32);
+            assert_eq!(fraction(digits, levels, 0).leading_ones(), levels);
         }
     }
 

@@ -1,6 +1,6 @@
 //! Random permutations with random access.
 
-use super::hash::{below, splitmix};
+use super::hash::{below, splitmix, whole};
 
 /// A random permutation of 0 .. n.
 ///
@@ -56,6 +56,23 @@ impl Permutation {
         match self {
             Self::Shuffled(table) => u64::from(table[i as usize]),
             Self::Feistel { n, a, rounds } => walk(i, *n, *a, rounds),
+        }
+    }
+
+    /// Overwrites `images` with where `first` and the numbers after it go.
+    #[inline(always)]
+    pub(super) fn list(&self, first: u64, images: &mut [f64]) {
+        match self {
+            Self::Shuffled(table) => {
+                for (image, entry) in images.iter_mut().zip(&table[first as usize..]) {
+                    *image = (*entry).into();
+                }
+            }
+            Self::Feistel { .. } => {
+                for (i, image) in (first..).zip(images) {
+                    *image = whole(self.get(i));
+                }
+            }
         }
     }
 }

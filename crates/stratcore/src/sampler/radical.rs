@@ -279,7 +279,7 @@ impl Tail {
             Self::Own(stream) => {
                 let mut draws = [[0; BLOCK]; 3];
                 for (first, sums) in (first..).step_by(BLOCK).zip(sums.chunks_mut(BLOCK)) {
-                    stream.draws(first as u32, sums.len(), &mut draws);
+                    stream.draws(first, 1, sums.len(), &mut draws);
                     for (l, sum) in sums.iter_mut().enumerate() {
                         let [tail, _] = unit_pair([draws[0][l], draws[1][l], draws[2][l]]);
                         *sum += tail;

@@ -1,8 +1,9 @@
 //! Uniform independent points: the paper's `O(1/N)` baseline.
 
 use super::hash::whole;
+use super::target::Target;
 use super::{Admissible, BELOW_ONE, Facts, Kind, Placement, PointSet, Points, Sampler, Scramble};
-use crate::rng::{PairMap, Stream, StreamKey};
+use crate::rng::{PairMap, Stream, StreamKey, unit_pair};
 use crate::simd::{self, BLOCK, Divisor, Isa, Loop};
 
 /// Uniform independent points in any dimension, any N.
@@ -23,7 +24,7 @@ impl Sampler for Random {
             is_random: true,
         }
     }
-    fn placement(&self) -> Placement {
+    fn placement(&self, _dim: usize) -> Placement {
         Placement::Independent
     }
     fn construct(&self, set: &PointSet) -> Box<dyn Points> {
@@ -62,43 +63,68 @@ impl Points for UniformPoints {
     }
 }
 
-impl UniformPoints {
-    /// The same points, each coordinate moved into one of `n` slabs along its axis; `list` tells
-    /// for a point's index, coordinate by coordinate, which.
-    #[inline]
-    pub(super) fn fill_in_slabs(
-        &self,
-        isa: Isa,
-        n: u64,
-        first: u64,
-        points: &mut [f64],
-        mut list: impl FnMut(u64, &mut [u64]),
-    ) {
-        self.fill_with(isa, first, points);
-        let (dim, n) = (self.dim, Divisor::new(n));
-        let mut slabs = vec![0; points.len().min(dim * BLOCK)];
-        let runs = points.chunks_mut(dim * BLOCK);
-        for (first, points) in (first..).step_by(BLOCK).zip(runs) {
-            let slabs = &mut slabs[..points.len()];
-            for (index, slabs) in (first..).zip(slabs.chunks_exact_mut(dim)) {
-                list(index, slabs);
-            }
-            simd::run(isa, SlabLoop { slabs, n, points });
-        }
+/// Along each axis, slabs of equal width and which of them each point lies in.
+pub(super) trait Slabs {
+    /// How many there are along an axis.
+    fn count(&self, axis: usize) -> Divisor;
+    /// Overwrites `slabs` with those of points `first ..` along an axis.
+    fn list<const FMA: bool>(&self, axis: usize, first: u64, slabs: &mut [f64]);
+}
+
+/// Overwrites `numbers` with `first`, below 2^52, and the numbers after it.
+#[inline(always)]
+pub(super) fn count_up(first: u64, numbers: &mut [f64]) {
+    for (at, number) in (first..).zip(numbers) {
+        *number = whole(at);
     }
 }
 
-struct SlabLoop<'a> {
-    slabs: &'a [u64],
-    n: Divisor,
-    points: &'a mut [f64],
+impl UniformPoints {
+    /// Writes the same points `first ..`, each coordinate moved into its slab.
+    pub(super) fn write_in_slabs(
+        &self,
+        isa: Isa,
+        first: u64,
+        target: &mut Target<'_>,
+        slabs: &impl Slabs,
+    ) {
+        simd::run(isa, SlabLoop { points: self, first, target, slabs });
+    }
 }
 
-impl Loop for SlabLoop<'_> {
+struct SlabLoop<'a, 'b, S> {
+    points: &'a UniformPoints,
+    first: u64,
+    target: &'a mut Target<'b>,
+    slabs: &'a S,
+}
+
+impl<S: Slabs> Loop for SlabLoop<'_, '_, S> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
-        for (x, slab) in self.points.iter_mut().zip(self.slabs) {
-            *x = self.n.divide::<FMA>(whole(*slab) + *x).min(BELOW_ONE);
+        let Self { points: UniformPoints { stream, dim }, first, target, slabs: list } = self;
+        let pairs = dim.div_ceil(2);
+        let mut words = [[0; BLOCK]; 3];
+        let mut slabs = [0.0; BLOCK];
+        let mut offsets = [[0.0; BLOCK]; 2];
+        for at in (0..target.len()).step_by(BLOCK) {
+            let (first, len) = (first + at as u64, BLOCK.min(target.len() - at));
+            let slabs = &mut slabs[..len];
+            for pair in 0..pairs {
+                let draw = first * pairs as u64 + pair as u64;
+                stream.draws(draw, pairs as u32, len, &mut words);
+                let [xs, ys] = &mut offsets;
+                for (l, (x, y)) in xs.iter_mut().zip(ys).enumerate().take(len) {
+                    [*x, *y] = unit_pair([words[0][l], words[1][l], words[2][l]]);
+                }
+                for (axis, offsets) in (2 * pair..*dim).zip(&offsets) {
+                    list.list::<FMA>(axis, first, slabs);
+                    let n = list.count(axis);
+                    // With many slabs a point can round up to 1.
+                    let place = |(slab, x): (&f64, &f64)| n.divide::<FMA>(slab + x).min(BELOW_ONE);
+                    target.put(axis, at, slabs.iter().zip(offsets).map(place));
+                }
+            }
         }
     }
 }

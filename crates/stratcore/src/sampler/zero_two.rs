@@ -2,7 +2,7 @@
 
 use super::Points;
 use super::hash::splitmix;
-use super::owen::{DigitScramble, Indices, NestedUniform, OwnBits};
+use super::owen::{DigitScramble, Indices, NestedUniform, own_bits};
 use super::permutation::Permutation;
 use super::scramble::Scramble;
 use super::target::Target;
@@ -57,12 +57,13 @@ impl ZeroTwo {
 
     /// The same sequence scrambled by another key, in an order named by `order_key`.
     fn renew(&mut self, scramble: Scramble, key: u64, levels: u32, order_key: u64) {
-        let start = self.start;
         if let Order::Permuted(order) = &mut self.order {
             order.renew(order_key);
         }
-        let order = std::mem::replace(&mut self.order, Order::Kept);
-        *self = Self::new(scramble, key, levels, start, order);
+        for (axis, digits) in (0..).zip(&mut self.axes) {
+            digits.renew(scramble, splitmix(key, axis), levels);
+        }
+        self.own = splitmix(key, 2);
     }
 
     /// Both coordinates of the set's points `first .. first + len`, at most a block.
@@ -83,9 +84,12 @@ impl ZeroTwo {
         }
         let mut block = [[0.0; BLOCK]; 2];
         let [a, b] = &mut block;
-        let listed = Indices::Listed(&indices);
-        self.axes[0].coordinates(&xs, listed, OwnBits::new(self.own, 0), &mut a[..len]);
-        self.axes[1].coordinates(&ys, listed, OwnBits::new(self.own, 1), &mut b[..len]);
+        let mut own = [[0; BLOCK]; 2];
+        if self.axes.iter().any(DigitScramble::has_own_bits) {
+            own = own_bits(self.own, Indices::Listed(&indices));
+        }
+        self.axes[0].coordinates(&xs, &own[0], &mut a[..len]);
+        self.axes[1].coordinates(&ys, &own[1], &mut b[..len]);
         block
     }
 }
