@@ -163,7 +163,7 @@ impl Loop for PairLoop<'_, '_> {
         while at < len {
             let end = BLOCK.min(skipped + len - at);
             if has_own_bits {
-                own = own_bits(key, Indices::From(first));
+                own_bits(key, Indices::From(first), end, &mut own);
             }
             for (axis, (scrambled, own)) in (axis..).zip(axes.iter().zip(&own)) {
                 scrambled.block(first, own, &mut made[..end]);

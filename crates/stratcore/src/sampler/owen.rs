@@ -82,8 +82,10 @@ impl DigitScramble {
                 }
             }
             Self::Tabled(table) => {
-                let (levels, last) = (table.len().trailing_zeros(), table.len() - 1);
+                let (table, levels) = (&table[..], table.len().trailing_zeros());
+                let last = table.len() - 1;
                 let mut cells = [0; BLOCK];
+                let cells = &mut cells[..coordinates.len()];
                 for (cell, digits) in cells.iter_mut().zip(mirrored) {
                     *cell = table[*digits as usize & last];
                 }
@@ -115,14 +117,18 @@ pub(super) enum Indices<'a> {
     Listed(&'a [u64; BLOCK]),
 }
 
-/// The bits that points have of their own, 32 for each of two coordinates, under the key of both.
+/// Overwrites `own` with the bits that the first `len` points of a block have of their own, 32 for
+/// each of two coordinates, under the key of both.
 #[inline(always)]
-pub(super) fn own_bits(key: u64, indices: Indices<'_>) -> [[u32; BLOCK]; 2] {
+pub(super) fn own_bits(key: u64, indices: Indices<'_>, len: usize, own: &mut [[u32; BLOCK]; 2]) {
+    // Whole vectors.
+    let len = len.next_multiple_of(8).min(BLOCK);
     let mut bits = [0; BLOCK];
+    let bits = &mut bits[..len];
     match indices {
         Indices::From(first) => {
             let mut own = SplitMix::new(key, first);
-            for bits in &mut bits {
+            for bits in &mut *bits {
                 *bits = own.draw();
             }
         }
@@ -132,12 +138,10 @@ pub(super) fn own_bits(key: u64, indices: Indices<'_>) -> [[u32; BLOCK]; 2] {
             }
         }
     }
-    let mut halves = [[0; BLOCK]; 2];
-    let [low, high] = &mut halves;
+    let [low, high] = own;
     for (bits, (low, high)) in bits.iter().zip(low.iter_mut().zip(high)) {
         [*low, *high] = [*bits as u32, (*bits >> 32) as u32];
     }
-    halves
 }
 
 /// Owen's nested uniform scrambling of one coordinate (Owen, *Randomly Permuted (t,m,s)-Nets
@@ -214,23 +218,30 @@ impl Loop for TableLoop<'_> {
             let before = *digits << 1;
             (*digits, *one) = (before | flip, before | flip ^ 1);
         };
-        table[0] = 0;
+        // All leaves at once: level by level the first ones would be less than a vector.
         let tree = halves(splitmix(keys[0], 0));
-        for level in 0..levels.min(STEP) {
-            let (digits, ones) = table.split_at_mut(1 << level);
-            // Node j of a level has bit 2^level + j of a tree.
+        let mut leaves = [0; 1 << STEP];
+        for (level, places) in (0..STEP).zip(&PLACES) {
             let nodes = tree[usize::from(level == STEP - 1)];
-            for (at, (digits, one)) in (0..).zip(digits.iter_mut().zip(ones)) {
-                append(digits, one, nodes >> ((1 << level | mirrored(at, level)) % 32) & 1);
+            for (leaf, place) in leaves.iter_mut().zip(places) {
+                *leaf = *leaf << 1 | nodes >> place & 1;
             }
         }
+        for (leaf, digits) in leaves.iter_mut().zip(MIRRORED) {
+            *leaf ^= digits;
+        }
         if levels <= STEP {
+            // Fewer digits are those of the first leaf that begins with them.
+            for (digits, leaf) in table.iter_mut().zip(leaves) {
+                *digits = leaf >> (STEP - levels);
+            }
             return;
         }
+        table[..1 << STEP].copy_from_slice(&leaves);
         let mut trees = [[0; 1 << STEP]; 2];
-        for at in 0..1 << STEP {
-            let nodes = splitmix(keys[1], mirrored(at, STEP).into());
-            [trees[0][at as usize], trees[1][at as usize]] = halves(nodes);
+        let [low, high] = &mut trees;
+        for (digits, (low, high)) in MIRRORED.iter().zip(low.iter_mut().zip(high)) {
+            [*low, *high] = halves(splitmix(keys[1], (*digits).into()));
         }
         for level in STEP..levels {
             let (digits, ones) = table.split_at_mut(1 << level);
@@ -248,8 +259,28 @@ impl Loop for TableLoop<'_> {
 
 /// The lowest `count` bits, at most 31, in the opposite order.
 #[inline(always)]
-fn mirrored(bits: u32, count: u32) -> u32 {
+const fn mirrored(bits: u32, count: u32) -> u32 {
     bits.reverse_bits() >> 1 >> (31 - count)
+}
+
+/// A leaf's digits, and by level the bit of its node on the way from the root, modulo 32; leaves
+/// in the order of their digits mirrored. Node j of a level has bit 2^level + j of the tree.
+const MIRRORED: [u32; 1 << STEP] = leaf_tables().0;
+const PLACES: [[u32; 1 << STEP]; STEP as usize] = leaf_tables().1;
+
+const fn leaf_tables() -> ([u32; 1 << STEP], [[u32; 1 << STEP]; STEP as usize]) {
+    let (mut digits, mut places) = ([0; 1 << STEP], [[0; 1 << STEP]; STEP as usize]);
+    let mut at = 0;
+    while at < 1 << STEP {
+        digits[at as usize] = mirrored(at, STEP);
+        let mut level = 0;
+        while level < STEP {
+            places[level as usize][at as usize] = (1 << level | mirrored(at, level)) % 32;
+            level += 1;
+        }
+        at += 1;
+    }
+    (digits, places)
 }
 
 /// The bits of the STEP nodes on the way to leaf `local` of a subtree, the top one first.

@@ -86,7 +86,11 @@ impl ZeroTwo {
         let [a, b] = &mut block;
         let mut own = [[0; BLOCK]; 2];
         if self.axes.iter().any(DigitScramble::has_own_bits) {
-            own = own_bits(self.own, Indices::Listed(&indices));
+            let of = match self.order {
+                Order::Kept => Indices::From(indices[0]),
+                _ => Indices::Listed(&indices),
+            };
+            own_bits(self.own, of, len, &mut own);
         }
         self.axes[0].coordinates(&xs, &own[0], &mut a[..len]);
         self.axes[1].coordinates(&ys, &own[1], &mut b[..len]);
