@@ -121,27 +121,33 @@ pub(super) enum Indices<'a> {
 /// each of two coordinates, under the key of both.
 #[inline(always)]
 pub(super) fn own_bits(key: u64, indices: Indices<'_>, len: usize, own: &mut [[u32; BLOCK]; 2]) {
-    // Whole vectors.
-    let len = len.next_multiple_of(8).min(BLOCK);
-    let mut bits = [0; BLOCK];
-    let bits = &mut bits[..len];
+    let len = whole_vectors(len);
+    let [low, high] = own;
+    let own = low[..len].iter_mut().zip(&mut high[..len]);
     match indices {
         Indices::From(first) => {
-            let mut own = SplitMix::new(key, first);
-            for bits in &mut *bits {
-                *bits = own.draw();
+            let mut bits = SplitMix::new(key, first);
+            for (low, high) in own {
+                [*low, *high] = halves(bits.draw());
             }
         }
         Indices::Listed(indices) => {
-            for (bits, index) in bits.iter_mut().zip(indices) {
-                *bits = splitmix(key, *index);
+            for ((low, high), index) in own.zip(indices) {
+                [*low, *high] = halves(splitmix(key, *index));
             }
         }
     }
-    let [low, high] = own;
-    for (bits, (low, high)) in bits.iter().zip(low.iter_mut().zip(high)) {
-        [*low, *high] = [*bits as u32, (*bits >> 32) as u32];
-    }
+}
+
+/// As many points of a block, or a few more, that no loop ends within a vector.
+#[inline(always)]
+pub(super) fn whole_vectors(len: usize) -> usize {
+    len.next_multiple_of(8).min(BLOCK)
+}
+
+#[inline(always)]
+fn halves(bits: u64) -> [u32; 2] {
+    [bits as u32, (bits >> 32) as u32]
 }
 
 /// Owen's nested uniform scrambling of one coordinate (Owen, *Randomly Permuted (t,m,s)-Nets
@@ -213,7 +219,6 @@ impl Loop for TableLoop<'_> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let Self { keys, levels, table } = self;
-        let halves = |nodes: u64| [nodes as u32, (nodes >> 32) as u32];
         let append = |digits: &mut u32, one: &mut u32, flip: u32| {
             let before = *digits << 1;
             (*digits, *one) = (before | flip, before | flip ^ 1);

@@ -2,7 +2,7 @@
 
 use super::Points;
 use super::hash::splitmix;
-use super::owen::{DigitScramble, Indices, NestedUniform, own_bits};
+use super::owen::{DigitScramble, Indices, NestedUniform, own_bits, whole_vectors};
 use super::permutation::Permutation;
 use super::scramble::Scramble;
 use super::target::Target;
@@ -10,21 +10,27 @@ use crate::rng::Stream;
 use crate::simd::{self, BLOCK, Isa, Loop};
 use std::ops::Range;
 
-/// Both coordinates of a point, as 32 digits with the leading one lowest.
-///
-/// The first matrix mirrors the index. The second is Pascal's triangle modulo 2: digit i is
-/// the sum of index bits j with C(j, i) odd, which are the j whose bits contain those of i
-/// (Lucas). Five steps add up all supersets. For bits j ≥ 32 of the index the first 32 digits
-/// are those of bit j - 32.
+/// The first coordinate of a point, as 32 digits with the leading one lowest: its matrix mirrors
+/// the index.
 #[inline(always)]
-fn mirrored_point(index: u64) -> [u32; 2] {
-    let mut sums = index as u32 ^ (index >> 32) as u32;
+fn mirrored_x(index: u64) -> u32 {
+    index as u32
+}
+
+/// The second coordinate likewise, from the lower and the upper half of the index.
+///
+/// Its matrix is Pascal's triangle modulo 2: digit i is the sum of index bits j with C(j, i) odd,
+/// which are the j whose bits contain those of i (Lucas). Five steps add up all supersets. For
+/// bits j ≥ 32 of the index the first 32 digits are those of bit j - 32.
+#[inline(always)]
+fn mirrored_y(low: u32, high: u32) -> u32 {
+    let mut sums = low ^ high;
     sums ^= sums >> 1 & 0x5555_5555;
     sums ^= sums >> 2 & 0x3333_3333;
     sums ^= sums >> 4 & 0x0f0f_0f0f;
     sums ^= sums >> 8 & 0x00ff_00ff;
     sums ^= sums >> 16 & 0x0000_ffff;
-    [index as u32, sums]
+    sums
 }
 
 /// A scrambled (0,2)-sequence, in an order of one's own: two coordinates of a point set.
@@ -66,10 +72,15 @@ impl ZeroTwo {
         self.own = splitmix(key, 2);
     }
 
-    /// Both coordinates of the set's points `first .. first + len`, at most a block.
+    /// Makes ready what the coordinates of the set's points `first .. first + len`, at most a
+    /// block, are made from.
     #[inline(always)]
-    fn block(&self, first: u64, len: usize) -> [[f64; BLOCK]; 2] {
-        let mut indices: [u64; BLOCK] = std::array::from_fn(|i| first.wrapping_add(i as u64));
+    fn prepare(&self, first: u64, len: usize, room: &mut Room) {
+        let Room { indices, digits: [xs, ys], own } = room;
+        let whole = whole_vectors(len);
+        for (at, index) in (first..).zip(&mut indices[..whole]) {
+            *index = at;
+        }
         match &self.order {
             Order::Kept => {}
             Order::Permuted(order) => {
@@ -77,25 +88,29 @@ impl ZeroTwo {
             }
             Order::Nested(order) => order.scramble(&mut indices[..len]),
         }
-        let (mut xs, mut ys) = ([0; BLOCK], [0; BLOCK]);
-        for (index, (x, y)) in indices.iter_mut().zip(xs.iter_mut().zip(&mut ys)) {
+        for (index, x) in indices[..whole].iter_mut().zip(&mut *xs) {
             *index = index.wrapping_add(self.start);
-            [*x, *y] = mirrored_point(*index);
+            *x = mirrored_x(*index);
         }
-        let mut block = [[0.0; BLOCK]; 2];
-        let [a, b] = &mut block;
-        let mut own = [[0; BLOCK]; 2];
+        for (x, (index, y)) in xs[..whole].iter().zip(indices.iter().zip(ys)) {
+            *y = mirrored_y(*x, (*index >> 32) as u32);
+        }
         if self.axes.iter().any(DigitScramble::has_own_bits) {
             let of = match self.order {
                 Order::Kept => Indices::From(indices[0]),
-                _ => Indices::Listed(&indices),
+                _ => Indices::Listed(indices),
             };
-            own_bits(self.own, of, len, &mut own);
+            own_bits(self.own, of, len, own);
         }
-        self.axes[0].coordinates(&xs, &own[0], &mut a[..len]);
-        self.axes[1].coordinates(&ys, &own[1], &mut b[..len]);
-        block
     }
+}
+
+/// Of a block of points, both coordinates' digits with the leading one lowest, and the bits that
+/// each has of its own.
+struct Room {
+    indices: [u64; BLOCK],
+    digits: [[u32; BLOCK]; 2],
+    own: [[u32; BLOCK]; 2],
 }
 
 /// Points whose coordinates come from a sequence for each two.
@@ -151,12 +166,16 @@ impl Loop for PairLoop<'_, '_> {
     #[inline(always)]
     fn run<const FMA: bool>(self) {
         let Self { sequence, first, target, axes } = self;
+        let mut room = Room { indices: [0; BLOCK], digits: [[0; BLOCK]; 2], own: [[0; BLOCK]; 2] };
+        let mut made = [0.0; BLOCK];
         let n = target.len();
         for at in (0..n).step_by(BLOCK) {
-            let len = BLOCK.min(n - at);
-            let block = sequence.block(first + at as u64, len);
-            for (axis, coordinates) in axes.clone().zip(&block) {
-                target.put(axis, at, coordinates[..len].iter().copied());
+            let made = &mut made[..BLOCK.min(n - at)];
+            sequence.prepare(first + at as u64, made.len(), &mut room);
+            let ready = sequence.axes.iter().zip(room.digits.iter().zip(&room.own));
+            for (axis, (scramble, (digits, own))) in axes.clone().zip(ready) {
+                scramble.coordinates(digits, own, made);
+                target.put(axis, at, made.iter().copied());
             }
         }
     }
@@ -176,7 +195,8 @@ mod tests {
                     .filter(|bit| index >> bit & 1 == 1)
                     .fold(0, |x, bit| x ^ sobol_matrices()[dim][bit])
             });
-            assert_eq!(mirrored_point(index.into()), by_columns);
+            let point = [mirrored_x(index.into()), mirrored_y(index, 0)];
+            assert_eq!(point, by_columns);
         }
     }
 }
