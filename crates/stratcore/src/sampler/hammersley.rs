@@ -2,12 +2,13 @@
 
 use super::halton::{BASES, SCRAMBLES, radical_inverses, scramble};
 use super::hash::splitmix;
-use super::radical::{FractionLoop, RadicalInverse, Tail, TailLoop};
+use super::radical::{RadicalInverse, Tail};
+use super::random::count_up;
 use super::sobol::MOST_POINTS;
 use super::target::Target;
-use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
+use super::{Admissible, BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble};
 use crate::rng::Stream;
-use crate::simd::{self, BLOCK, Divisor, Isa};
+use crate::simd::{self, BLOCK, Divisor, Isa, Loop};
 
 /// i/N and the Halton sequence in d - 1 dimensions. Scrambles work on the digits of the latter
 /// and move the former within its 1/N.
@@ -49,16 +50,32 @@ struct HammersleyPoints {
 
 impl HammersleyPoints {
     fn write(&self, isa: Isa, first: u64, target: &mut Target<'_>) {
-        for at in (0..target.len()).step_by(BLOCK) {
-            let len = BLOCK.min(target.len() - at);
-            let from = first + at as u64;
-            let mut sums: [f64; BLOCK] = std::array::from_fn(|i| (from + i as u64) as f64);
-            let (sums, scale) = (&mut sums[..len], self.n);
-            simd::run(isa, TailLoop { tail: &self.tail, first: from, sums });
-            simd::run(isa, FractionLoop { sums, scale, target, axis: 0, at });
-        }
+        simd::run(isa, CountLoop { n: self.n, tail: &self.tail, first, target });
         for (other, coordinates) in self.others.iter().enumerate() {
             coordinates.fill(isa, first, target, other + 1);
+        }
+    }
+}
+
+/// The first coordinate of points `first ..`: their number, with a tail, over n.
+struct CountLoop<'a, 'b> {
+    n: Divisor,
+    tail: &'a Tail,
+    first: u64,
+    target: &'a mut Target<'b>,
+}
+
+impl Loop for CountLoop<'_, '_> {
+    #[inline(always)]
+    fn run<const FMA: bool>(self) {
+        let Self { n, tail, first, target } = self;
+        let mut sums = [0.0; BLOCK];
+        for at in (0..target.len()).step_by(BLOCK) {
+            let sums = &mut sums[..BLOCK.min(target.len() - at)];
+            let first = first + at as u64;
+            count_up(first, sums);
+            tail.add(first, sums);
+            target.put(0, at, sums.iter().map(|sum| n.divide::<FMA>(*sum).min(BELOW_ONE)));
         }
     }
 }

@@ -85,11 +85,15 @@ impl DigitScramble {
                 let (table, levels) = (&table[..], table.len().trailing_zeros());
                 let last = table.len() - 1;
                 let mut cells = [0; BLOCK];
-                let cells = &mut cells[..coordinates.len()];
-                for (cell, digits) in cells.iter_mut().zip(mirrored) {
-                    *cell = table[*digits as usize & last];
+                let (cells, _) = cells[..whole_vectors(coordinates.len())].as_chunks_mut::<8>();
+                let (mirrored, _) = mirrored.as_chunks::<8>();
+                for (cells, mirrored) in cells.iter_mut().zip(mirrored) {
+                    for (cell, digits) in cells.iter_mut().zip(mirrored) {
+                        *cell = table[*digits as usize & last];
+                    }
                 }
-                for (x, (digits, own)) in coordinates.iter_mut().zip(cells.iter().zip(own)) {
+                let cells = cells.as_flattened().iter().zip(own);
+                for (x, (digits, own)) in coordinates.iter_mut().zip(cells) {
                     *x = unit(fraction((*digits).into(), levels, *own));
                 }
             }

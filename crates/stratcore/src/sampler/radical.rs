@@ -150,12 +150,12 @@ impl RadicalInverse {
 }
 
 /// Writes sum / scale for each sum to a coordinate of the target's points from number `at` on.
-pub(super) struct FractionLoop<'a, 'b> {
-    pub(super) sums: &'a [f64],
-    pub(super) scale: Divisor,
-    pub(super) target: &'a mut Target<'b>,
-    pub(super) axis: usize,
-    pub(super) at: usize,
+struct FractionLoop<'a, 'b> {
+    sums: &'a [f64],
+    scale: Divisor,
+    target: &'a mut Target<'b>,
+    axis: usize,
+    at: usize,
 }
 
 impl Loop for FractionLoop<'_, '_> {
@@ -269,7 +269,7 @@ impl Tail {
 
     /// Adds to `sums` the tails of indices `first ..`, below 2^32.
     #[inline(always)]
-    fn add(&self, first: u64, sums: &mut [f64]) {
+    pub(super) fn add(&self, first: u64, sums: &mut [f64]) {
         match self {
             Self::Common(tail) => {
                 for sum in sums {
@@ -291,10 +291,10 @@ impl Tail {
 }
 
 /// Adds to `sums` the tails of indices `first ..`
-pub(super) struct TailLoop<'a> {
-    pub(super) tail: &'a Tail,
-    pub(super) first: u64,
-    pub(super) sums: &'a mut [f64],
+struct TailLoop<'a> {
+    tail: &'a Tail,
+    first: u64,
+    sums: &'a mut [f64],
 }
 
 impl Loop for TailLoop<'_> {
