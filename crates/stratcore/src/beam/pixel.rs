@@ -53,8 +53,9 @@ impl PixelBeam {
     /// holds relative to the eye.
     ///
     /// None for a scene that asks for smooth shading, whose radiance is not affine data, and for
-    /// one with a lens, a shutter, mirrors, glass or bounces. Area lights are left to
-    /// [`AreaBeam`](super::AreaBeam).
+    /// one with a lens, a shutter, mirrors, glass or bounces. None for a pixel that sees a plane
+    /// right beside a point light, whose distance there spans more than f32 can square. Area
+    /// lights are left to [`AreaBeam`](super::AreaBeam).
     pub fn new(scene: &Scene, accel: &Accel, pixel: [u32; 2], channel: Channel) -> Option<Self> {
         Self::of_frame(scene, accel, &scene.camera.pixel(pixel), channel)
     }
@@ -82,6 +83,9 @@ impl PixelBeam {
             Shade::new(scene, &scene.materials[material as usize], channel, facet, &centred)
         };
         let shades: Vec<_> = facets.iter().zip(materials).map(shade).collect();
+        if shades.iter().any(Shade::is_next_to_light) {
+            return None;
+        }
         let background = channel.of(scene.background);
         let length_squared = centred.length_squared();
         let ground = match (facets.first(), shades.first()) {

@@ -77,6 +77,16 @@ impl Shade {
         !matches!(self.lit, Lit::Constant(value) if value == 0.0)
     }
 
+    /// Whether a point light is so near that its distance from the facet's plane changes more
+    /// than tenfold in the pixel: f32 rounds the square of a distance by 1e-7 of the greatest.
+    pub fn is_next_to_light(&self) -> bool {
+        const MOST: f64 = 100.0;
+        let Lit::Point { square, .. } = &self.lit else { return false };
+        let [least, greatest] = square.convex_range();
+        // Neither of them need be a number.
+        !(greatest <= MOST * least)
+    }
+
     /// Fills the shading fields, relative to the pixel's ground value and for inverse depths in
     /// `depth_unit`s, a power of two.
     pub fn write(

@@ -388,6 +388,54 @@ fn beam_and_rays_agree_trial_by_trial() {
     }
 }
 
+/// A point light over the middle of the pixel at a height of so many footprints: the beam's values
+/// are those of f64 to 1e-5 of the greatest, and where it could not promise that, rays take the
+/// pixel.
+#[test]
+fn a_light_next_to_a_surface_is_left_to_rays() {
+    let mut scene = scene::load("edges").unwrap();
+    scene.ambient = [0.0; 3];
+    scene.camera.eye = DVec3::ZERO;
+    scene.camera.look_at = DVec3::Z;
+    scene.camera.up = DVec3::Y;
+    scene.camera.fov_y = 20.0;
+    scene.camera.resolution = [1, 1];
+    let footprint = 20.0 * (10f64.to_radians()).tan();
+    let wall = [[-90.0, -90.0, 10.0], [90.0, -90.0, 10.0], [0.0, 180.0, 10.0]];
+    for (height, is_left) in
+        [(10.0, false), (0.3, false), (0.08, false), (0.06, true), (1e-3, true), (1e-6, true)]
+    {
+        let mut scene = scene.clone();
+        let position = DVec3::new(0.0, 0.0, 10.0 - height * footprint);
+        scene.light = Light::Point { position, intensity: [1.0; 3] };
+        scene.mesh = Mesh {
+            positions: wall.map(DVec3::from_array).to_vec(),
+            triangles: vec![[0, 1, 2]],
+            materials: vec![0],
+            corner_normals: None,
+        };
+        scene.materials = vec![Material { kd: [1.0; 3], ..Material::default() }];
+        let traced = TracedScene::new(scene);
+        let pixel = traced.pixel([0, 0], Channel::R);
+        assert_eq!(pixel.n_facets().is_none(), is_left, "{height}");
+        let axis = |i: u32| (f64::from(i) + 0.5) / 64.0;
+        let points: Vec<f64> =
+            (0..64 * 64).flat_map(|i| [axis(i % 64), axis(i / 64)]).collect();
+        let mut values = vec![f64::NAN; points.len() / 2];
+        pixel.eval_block(&points, &mut values);
+        // h r⁻³ on the wall, with the light at h over its middle.
+        let expected = points.chunks(2).map(|point| {
+            let [x, y] = [point[0] - 0.5, point[1] - 0.5].map(|x| x * footprint);
+            let h = height * footprint;
+            h * (x * x + y * y + h * h).powf(-1.5)
+        });
+        let greatest = values.iter().copied().fold(0.0, f64::max);
+        for (value, expected) in values.iter().zip(expected) {
+            assert!((value - expected).abs() <= 1e-5 * greatest, "{height}: {value} {expected}");
+        }
+    }
+}
+
 #[test]
 fn an_empty_picture_is_its_background() {
     let mut scene = scene::load("edges").unwrap();
