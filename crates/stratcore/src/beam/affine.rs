@@ -168,9 +168,8 @@ mod tests {
     fn convex_functions_reach_their_range() {
         let mut rng = Xoshiro256PlusPlus::seed_from_u64(1996);
         for case in 0..300 {
-            let mut vector = |size: f64| {
-                DVec3::from_array([(); 3].map(|()| rng.random_range(-size..size)))
-            };
+            let mut vector =
+                |size: f64| DVec3::from_array([(); 3].map(|()| rng.random_range(-size..size)));
             let (dc, du) = (vector(0.5), vector(1.0));
             let dv = if case % 3 == 0 { du * 0.5 } else { vector(1.0) };
             let q = CentredFrame { dc, du, dv }.length_squared();
@@ -178,8 +177,8 @@ mod tests {
                 let at = |i: i32| f64::from(i) / 200.0 - 0.5;
                 q.at(at(i % 201), at(i / 201))
             });
-            let [lo, hi] = grid
-                .fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], x| [lo.min(x), hi.max(x)]);
+            let [lo, hi] =
+                grid.fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], x| [lo.min(x), hi.max(x)]);
             let [least, greatest] = q.convex_range();
             let missed = 0.0025f64.powi(2) * (q.ss + q.st.abs() + q.tt);
             assert!((lo - missed..=lo + 1e-12).contains(&least), "{q:?}: {least} {lo}");

@@ -419,8 +419,7 @@ fn a_light_next_to_a_surface_is_left_to_rays() {
         let pixel = traced.pixel([0, 0], Channel::R);
         assert_eq!(pixel.n_facets().is_none(), is_left, "{height}");
         let axis = |i: u32| (f64::from(i) + 0.5) / 64.0;
-        let points: Vec<f64> =
-            (0..64 * 64).flat_map(|i| [axis(i % 64), axis(i / 64)]).collect();
+        let points: Vec<f64> = (0..64 * 64).flat_map(|i| [axis(i % 64), axis(i / 64)]).collect();
         let mut values = vec![f64::NAN; points.len() / 2];
         pixel.eval_block(&points, &mut values);
         // h r⁻³ on the wall, with the light at h over its middle.

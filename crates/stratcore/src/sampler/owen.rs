@@ -16,7 +16,7 @@ pub(super) enum DigitScramble {
     Xor(u64),
     /// Truly, digit by digit.
     Nested(NestedUniform),
-    /// Truly: the scrambled digits of every cell, as [`NestedUniform::tabulate`] has them.
+    /// Truly: the scrambled digits of every cell, as [`tabulate`] has them.
     Tabled(Vec<u32>),
     /// By a hash, with this seed.
     Hashed(u32),
@@ -29,7 +29,7 @@ impl DigitScramble {
         match scramble {
             Scramble::Owen if levels <= MOST_TABLED => {
                 let mut table = vec![0; 1 << levels];
-                NestedUniform::new(key, levels).tabulate(&mut table);
+                tabulate(key, levels, &mut table);
                 Self::Tabled(table)
             }
             Scramble::Owen => Self::Nested(NestedUniform::new(key, levels)),
@@ -42,7 +42,7 @@ impl DigitScramble {
     /// Becomes the same scramble named by another key.
     pub(super) fn renew(&mut self, scramble: Scramble, key: u64, levels: u32) {
         match self {
-            Self::Tabled(table) => NestedUniform::new(key, levels).tabulate(table),
+            Self::Tabled(table) => tabulate(key, levels, table),
             _ => *self = Self::new(scramble, key, levels),
         }
     }
@@ -202,13 +202,14 @@ impl NestedUniform {
             *cell ^= flipped;
         }
     }
+}
 
-    /// Overwrites `table`, 2^levels long for at most [`MOST_TABLED`] levels, with the scrambled
-    /// digits of every cell: that of its own digits mirrored, the leading one lowest.
-    fn tabulate(&self, table: &mut [u32]) {
-        let [first, second, ..] = self.keys;
-        simd::run(Isa::detect(), TableLoop { keys: [first, second], levels: self.levels, table });
-    }
+/// Overwrites `table`, 2^levels long for at most [`MOST_TABLED`] levels, with the scrambled digits
+/// that [`NestedUniform`] gives every cell: that of its own digits mirrored, the leading one
+/// lowest.
+fn tabulate(key: u64, levels: u32, table: &mut [u32]) {
+    let keys = [0, 1].map(|step| splitmix(key, step));
+    simd::run(Isa::detect(), TableLoop { keys, levels, table });
 }
 
 /// Appends one digit after the other to the table's first entry. Cells that share their leading
@@ -230,23 +231,21 @@ impl Loop for TableLoop<'_> {
         // All leaves at once: level by level the first ones would be less than a vector.
         let tree = halves(splitmix(keys[0], 0));
         let mut leaves = [0; 1 << STEP];
-        for (level, places) in (0..STEP).zip(&PLACES) {
+        let known = levels.min(STEP);
+        // Fewer digits are those of the first leaves that begin with them.
+        let leaves = &mut leaves[..whole_vectors(1 << known)];
+        for (level, places) in (0..known).zip(&PLACES) {
             let nodes = tree[usize::from(level == STEP - 1)];
             for (leaf, place) in leaves.iter_mut().zip(places) {
                 *leaf = *leaf << 1 | nodes >> place & 1;
             }
         }
-        for (leaf, digits) in leaves.iter_mut().zip(MIRRORED) {
-            *leaf ^= digits;
+        for (digits, (leaf, own)) in table.iter_mut().zip(leaves.iter().zip(MIRRORED)) {
+            *digits = leaf ^ own >> (STEP - known);
         }
         if levels <= STEP {
-            // Fewer digits are those of the first leaf that begins with them.
-            for (digits, leaf) in table.iter_mut().zip(leaves) {
-                *digits = leaf >> (STEP - levels);
-            }
             return;
         }
-        table[..1 << STEP].copy_from_slice(&leaves);
         let mut trees = [[0; 1 << STEP]; 2];
         let [low, high] = &mut trees;
         for (digits, (low, high)) in MIRRORED.iter().zip(low.iter_mut().zip(high)) {
@@ -364,7 +363,7 @@ mod tests {
         for levels in 1..=MOST_TABLED {
             let scramble = NestedUniform::new(99, levels);
             let mut table = vec![u32::MAX; 1 << levels];
-            scramble.tabulate(&mut table);
+            tabulate(99, levels, &mut table);
             for cell in 0..1 << levels {
                 let found = table[mirrored(cell, levels) as usize];
                 assert_eq!(found, scramble.digits(cell), "{levels}: {cell:b}");
