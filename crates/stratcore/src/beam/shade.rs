@@ -84,7 +84,8 @@ impl Shade {
         let Lit::Point { square, .. } = &self.lit else { return false };
         let [least, greatest] = square.convex_range();
         // Neither of them need be a number.
-        !(greatest <= MOST * least)
+        let is_far = greatest <= MOST * least;
+        !is_far
     }
 
     /// Fills the shading fields, relative to the pixel's ground value and for inverse depths in
