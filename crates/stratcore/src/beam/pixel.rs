@@ -54,8 +54,8 @@ impl PixelBeam {
     ///
     /// None for a scene that asks for smooth shading, whose radiance is not affine data, and for
     /// one with a lens, a shutter, mirrors, glass or bounces. None for a pixel that sees a plane
-    /// right beside a point light, whose distance there spans more than f32 can square. Area
-    /// lights are left to [`AreaBeam`](super::AreaBeam).
+    /// right beside a point light, where f32 would lose the square of its distance. Area lights
+    /// are left to [`AreaBeam`](super::AreaBeam).
     pub fn new(scene: &Scene, accel: &Accel, pixel: [u32; 2], channel: Channel) -> Option<Self> {
         Self::of_frame(scene, accel, &scene.camera.pixel(pixel), channel)
     }
@@ -83,11 +83,13 @@ impl PixelBeam {
             Shade::new(scene, &scene.materials[material as usize], channel, facet, &centred)
         };
         let shades: Vec<_> = facets.iter().zip(materials).map(shade).collect();
-        if shades.iter().any(Shade::is_next_to_light) {
-            return None;
-        }
         let background = channel.of(scene.background);
         let length_squared = centred.length_squared();
+        // Area lights are reckoned in f64.
+        let is_next_to_light = |shade: &Shade| shade.is_next_to_light(length_squared.c);
+        if scene.distribution.lights.is_empty() && shades.iter().any(is_next_to_light) {
+            return None;
+        }
         let ground = match (facets.first(), shades.first()) {
             (Some(facet), Some(shade)) => {
                 shade.at(0.0, 0.0, facet.inverse_depth.c, length_squared.c, true)

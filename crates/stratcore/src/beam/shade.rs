@@ -77,15 +77,20 @@ impl Shade {
         !matches!(self.lit, Lit::Constant(value) if value == 0.0)
     }
 
-    /// Whether a point light is so near that its distance from the facet's plane changes more
-    /// than tenfold in the pixel: f32 rounds the square of a distance by 1e-7 of the greatest.
-    pub fn is_next_to_light(&self) -> bool {
+    /// Whether a point light is so near to the facet's plane that f32 would lose its |l w - D|²,
+    /// which it rounds by 1e-7 of the greatest: that spans more than a hundredfold in the pixel,
+    /// and the light is nearer than half as far as the eye, whose |D|² is `length_squared`.
+    /// Where w alone is small, at a horizon, nothing is lost.
+    pub fn is_next_to_light(&self, length_squared: f64) -> bool {
         const MOST: f64 = 100.0;
-        let Lit::Point { square, .. } = &self.lit else { return false };
-        let [least, greatest] = square.convex_range();
-        // Neither of them need be a number.
-        let is_far = greatest <= MOST * least;
-        !is_far
+        match &self.lit {
+            Lit::Point { factor, square } if *factor != 0.0 => {
+                let [least, greatest] = square.convex_range();
+                let is_finite = least.is_finite() && greatest.is_finite();
+                !is_finite || greatest > MOST * least && least < 0.25 * length_squared
+            }
+            _ => false,
+        }
     }
 
     /// Fills the shading fields, relative to the pixel's ground value and for inverse depths in

@@ -435,6 +435,29 @@ fn a_light_next_to_a_surface_is_left_to_rays() {
     }
 }
 
+/// A plane seen nearly edge-on, to its horizon, under a light that is far from it: w falls to 0
+/// in the pixel and the beam keeps it.
+#[test]
+fn a_horizon_under_a_far_light_stays_with_the_beam() {
+    let mut scene = scene::load("edges").unwrap();
+    scene.camera.eye = DVec3::ZERO;
+    scene.camera.look_at = DVec3::Z;
+    scene.camera.up = DVec3::Y;
+    scene.camera.resolution = [1, 1];
+    let position = DVec3::new(-100.0, 0.0, 0.0);
+    scene.light = Light::Point { position, intensity: [1.0; 3] };
+    scene.mesh = Mesh {
+        positions: [[0.001, -9.0, 8.0], [0.001, 9.0, 8.0], [0.001, 0.0, 9.0]]
+            .map(DVec3::from_array)
+            .to_vec(),
+        triangles: vec![[0, 1, 2]],
+        materials: vec![0],
+        corner_normals: None,
+    };
+    scene.materials = vec![Material { kd: [1.0; 3], ..Material::default() }];
+    assert_eq!(TracedScene::new(scene).pixel([0, 0], Channel::R).n_facets(), Some(1));
+}
+
 #[test]
 fn an_empty_picture_is_its_background() {
     let mut scene = scene::load("edges").unwrap();

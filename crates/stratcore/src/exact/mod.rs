@@ -86,7 +86,8 @@ pub enum Unresolved {
         /// The count that was too much.
         n: u64,
     },
-    /// A pixel that is traced by rays: smooth shading, or `Tracer::Bvh`.
+    /// A pixel that is traced by rays: smooth shading, a point light right beside a surface, or
+    /// `Tracer::Bvh`.
     #[error("the pixel is traced by rays; its polygons are known to the beam alone")]
     Rays,
     /// An area light or a reconstruction filter: the pixel is more than its visible polygons.

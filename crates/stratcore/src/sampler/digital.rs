@@ -128,7 +128,7 @@ impl Points for DigitalPoints {
             let key = splitmix(bits, number);
             match axis {
                 Axis::Digits { scramble, .. } => {
-                    scramble.renew(self.scramble, key, self.levels);
+                    scramble.renew(self.scramble, key, self.levels, self.matrices.len());
                 }
                 Axis::Linear { columns, shift } => {
                     **columns = linear_scramble(matrix, self.levels, key);

@@ -10,6 +10,9 @@ const STEP: u32 = 6;
 /// Levels up to which a scramble is a table: two hashes from the root to a leaf, 16 KiB.
 const MOST_TABLED: u32 = 2 * STEP;
 
+/// Coordinates of a set up to which it has such tables: 16 MiB in all.
+const MOST_TABLES: usize = 1024;
+
 /// How the base-2 digits of a coordinate are scrambled.
 pub(super) enum DigitScramble {
     /// XORed with a word; zero: not at all.
@@ -23,11 +26,11 @@ pub(super) enum DigitScramble {
 }
 
 impl DigitScramble {
-    /// The scramble named by `key`, for points that `levels` digits tell apart. Those that do
-    /// not work on digits leave them alone.
-    pub(super) fn new(scramble: Scramble, key: u64, levels: u32) -> Self {
+    /// The scramble named by `key`, for sets of `dim` coordinates whose points `levels` digits
+    /// tell apart. Those that do not work on digits leave them alone.
+    pub(super) fn new(scramble: Scramble, key: u64, levels: u32, dim: usize) -> Self {
         match scramble {
-            Scramble::Owen if levels <= MOST_TABLED => {
+            Scramble::Owen if levels <= MOST_TABLED && dim <= MOST_TABLES => {
                 let mut table = vec![0; 1 << levels];
                 tabulate(key, levels, &mut table);
                 Self::Tabled(table)
@@ -40,10 +43,10 @@ impl DigitScramble {
     }
 
     /// Becomes the same scramble named by another key.
-    pub(super) fn renew(&mut self, scramble: Scramble, key: u64, levels: u32) {
+    pub(super) fn renew(&mut self, scramble: Scramble, key: u64, levels: u32, dim: usize) {
         match self {
             Self::Tabled(table) => tabulate(key, levels, table),
-            _ => *self = Self::new(scramble, key, levels),
+            _ => *self = Self::new(scramble, key, levels, dim),
         }
     }
 

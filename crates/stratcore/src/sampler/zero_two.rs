@@ -54,20 +54,26 @@ pub(super) enum Order {
 }
 
 impl ZeroTwo {
-    /// The sequence scrambled by `key`, from index `start` on. True scrambling works on
-    /// `levels` digits, which must tell the points apart.
-    pub(super) fn new(scramble: Scramble, key: u64, levels: u32, start: u64, order: Order) -> Self {
-        let axis = |axis| DigitScramble::new(scramble, splitmix(key, axis), levels);
+    /// The sequence scrambled by `key`, from index `start` on, for a set of `dim` coordinates.
+    /// True scrambling works on `levels` digits, which must tell the points apart.
+    pub(super) fn new(
+        (scramble, key): (Scramble, u64),
+        levels: u32,
+        dim: usize,
+        start: u64,
+        order: Order,
+    ) -> Self {
+        let axis = |axis| DigitScramble::new(scramble, splitmix(key, axis), levels, dim);
         Self { axes: [axis(0), axis(1)], own: splitmix(key, 2), start, order }
     }
 
     /// The same sequence scrambled by another key, in an order named by `order_key`.
-    fn renew(&mut self, scramble: Scramble, key: u64, levels: u32, order_key: u64) {
+    fn renew(&mut self, scramble: Scramble, [key, order_key]: [u64; 2], levels: u32, dim: usize) {
         if let Order::Permuted(order) = &mut self.order {
             order.renew(order_key);
         }
         for (axis, digits) in (0..).zip(&mut self.axes) {
-            digits.renew(scramble, splitmix(key, axis), levels);
+            digits.renew(scramble, splitmix(key, axis), levels, dim);
         }
         self.own = splitmix(key, 2);
     }
@@ -147,8 +153,7 @@ impl Points for PaddedPoints {
         let Some((scramble, levels)) = self.scrambled else { return false };
         let bits = stream.scramble_bits();
         for (pair, sequence) in (0..).zip(&mut self.pairs) {
-            let [key, order_key] = pair_keys(bits, pair);
-            sequence.renew(scramble, key, levels, order_key);
+            sequence.renew(scramble, pair_keys(bits, pair), levels, self.dim);
         }
         true
     }
