@@ -215,8 +215,8 @@ fn tabulate(key: u64, levels: u32, table: &mut [u32]) {
     simd::run(Isa::detect(), TableLoop { keys, levels, table });
 }
 
-/// Appends one digit after the other to the table's first entry. Cells that share their leading
-/// digits lie a power of two apart, so that both halves of each of them are made in vectors.
+/// Makes the leaves of the first tree, then appends one digit after the other. Cells that share
+/// their leading digits lie a power of two apart, so both halves of each are made in vectors.
 struct TableLoop<'a> {
     keys: [u64; 2],
     levels: u32,

@@ -41,7 +41,7 @@ impl Sampler for Padded {
                 0 => Order::Kept,
                 _ => Order::Permuted(Permutation::new(n, order_key)),
             };
-            ZeroTwo::new((set.scramble, key), levels(n), set.dim, 0, order)
+            ZeroTwo::new(set.scramble, key, levels(n), set.dim, 0, order)
         };
         let pairs = (0..set.dim.div_ceil(2) as u64).map(pair).collect();
         Box::new(PaddedPoints { pairs, dim: set.dim, scrambled: Some((set.scramble, levels(n))) })

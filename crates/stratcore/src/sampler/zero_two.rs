@@ -57,7 +57,8 @@ impl ZeroTwo {
     /// The sequence scrambled by `key`, from index `start` on, for a set of `dim` coordinates.
     /// True scrambling works on `levels` digits, which must tell the points apart.
     pub(super) fn new(
-        (scramble, key): (Scramble, u64),
+        scramble: Scramble,
+        key: u64,
         levels: u32,
         dim: usize,
         start: u64,

@@ -60,7 +60,7 @@ impl Sampler for ZSobol {
                 Order::Nested(NestedUniform::new(key, levels(n)))
             };
             let start = shuffled(place, splitmix(key, 4)) * n;
-            ZeroTwo::new((set.scramble, key), 32, set.dim, start, order)
+            ZeroTwo::new(set.scramble, key, 32, set.dim, start, order)
         };
         let pairs = (0..set.dim.div_ceil(2) as u64).map(pair).collect();
         Box::new(PaddedPoints { pairs, dim: set.dim, scrambled: None })
