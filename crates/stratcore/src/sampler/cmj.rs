@@ -3,7 +3,7 @@
 use super::hash::{splitmix, whole};
 use super::permutation::Permutation;
 use super::random::{Slabs, UniformPoints, count_up};
-use super::target::Target;
+use super::target::{ByAxis, Target};
 use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble, strata_per_axis};
 use crate::rng::Stream;
 use crate::simd::{Divisor, Isa};
@@ -89,15 +89,14 @@ impl Slabs for MultiJitteredPoints {
     }
 }
 
-impl Points for MultiJitteredPoints {
-    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
-        let target = &mut Target::Rows { points, dim: self.offsets.dim };
+impl ByAxis for MultiJitteredPoints {
+    fn dim(&self) -> usize {
+        self.offsets.dim
+    }
+    fn write(&self, isa: Isa, first: u64, target: &mut Target<'_>) {
         self.offsets.write_in_slabs(isa, first, target, self);
     }
-    fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
-        self.offsets.write_in_slabs(isa, first, &mut Target::Centred(columns), self);
-    }
-    fn renew(&mut self, stream: &Stream) -> bool {
+    fn renew_axes(&mut self, stream: &Stream) -> bool {
         self.offsets.stream = *stream;
         let bits = stream.scramble_bits();
         self.offset_of_row.renew(splitmix(bits, 0));

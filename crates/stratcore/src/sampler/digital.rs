@@ -2,7 +2,7 @@
 
 use super::hash::{splitmix, unit};
 use super::owen::{DigitScramble, Indices, levels, own_bits};
-use super::target::Target;
+use super::target::{ByAxis, Target};
 use super::{PointSet, Points, Scramble};
 use crate::rng::Stream;
 use crate::simd::{self, BLOCK, Isa, Loop};
@@ -106,23 +106,17 @@ impl Axis {
     }
 }
 
-impl DigitalPoints {
+impl ByAxis for DigitalPoints {
+    fn dim(&self) -> usize {
+        self.axes.len()
+    }
     fn write(&self, isa: Isa, first: u64, target: &mut Target<'_>) {
         for (pair, axes) in self.axes.chunks(2).enumerate() {
             let own = splitmix(self.own, pair as u64);
             simd::run(isa, PairLoop { axes, own, first, target, axis: 2 * pair });
         }
     }
-}
-
-impl Points for DigitalPoints {
-    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
-        self.write(isa, first, &mut Target::Rows { points, dim: self.axes.len() });
-    }
-    fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
-        self.write(isa, first, &mut Target::Centred(columns));
-    }
-    fn renew(&mut self, stream: &Stream) -> bool {
+    fn renew_axes(&mut self, stream: &Stream) -> bool {
         let bits = stream.scramble_bits();
         for (number, (axis, matrix)) in (0..).zip(self.axes.iter_mut().zip(self.matrices)) {
             let key = splitmix(bits, number);

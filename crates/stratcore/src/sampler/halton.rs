@@ -3,7 +3,7 @@
 use super::hash::splitmix;
 use super::radical::{RadicalInverse, primes};
 use super::sobol::MOST_POINTS;
-use super::target::Target;
+use super::target::{ByAxis, Target};
 use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
 use crate::rng::Stream;
 use crate::simd::Isa;
@@ -64,22 +64,16 @@ struct HaltonPoints {
     axes: Vec<RadicalInverse>,
 }
 
-impl HaltonPoints {
+impl ByAxis for HaltonPoints {
+    fn dim(&self) -> usize {
+        self.axes.len()
+    }
     fn write(&self, isa: Isa, first: u64, target: &mut Target<'_>) {
         for (axis, coordinates) in self.axes.iter().enumerate() {
             coordinates.fill(isa, first, target, axis);
         }
     }
-}
-
-impl Points for HaltonPoints {
-    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
-        self.write(isa, first, &mut Target::Rows { points, dim: self.axes.len() });
-    }
-    fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
-        self.write(isa, first, &mut Target::Centred(columns));
-    }
-    fn renew(&mut self, stream: &Stream) -> bool {
+    fn renew_axes(&mut self, stream: &Stream) -> bool {
         scramble(&mut self.axes, stream.scramble_bits());
         true
     }

@@ -5,7 +5,7 @@ use super::hash::splitmix;
 use super::radical::{RadicalInverse, Tail};
 use super::random::count_up;
 use super::sobol::MOST_POINTS;
-use super::target::Target;
+use super::target::{ByAxis, Target};
 use super::{Admissible, BELOW_ONE, Facts, Kind, PointSet, Points, Sampler, Scramble};
 use crate::rng::Stream;
 use crate::simd::{self, BLOCK, Divisor, Isa, Loop};
@@ -48,15 +48,6 @@ struct HammersleyPoints {
     others: Vec<RadicalInverse>,
 }
 
-impl HammersleyPoints {
-    fn write(&self, isa: Isa, first: u64, target: &mut Target<'_>) {
-        simd::run(isa, CountLoop { n: self.n, tail: &self.tail, first, target });
-        for (other, coordinates) in self.others.iter().enumerate() {
-            coordinates.fill(isa, first, target, other + 1);
-        }
-    }
-}
-
 /// The first coordinate of points `first ..`: their number, with a tail, over n.
 struct CountLoop<'a, 'b> {
     n: Divisor,
@@ -80,14 +71,17 @@ impl Loop for CountLoop<'_, '_> {
     }
 }
 
-impl Points for HammersleyPoints {
-    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
-        self.write(isa, first, &mut Target::Rows { points, dim: self.others.len() + 1 });
+impl ByAxis for HammersleyPoints {
+    fn dim(&self) -> usize {
+        self.others.len() + 1
     }
-    fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
-        self.write(isa, first, &mut Target::Centred(columns));
+    fn write(&self, isa: Isa, first: u64, target: &mut Target<'_>) {
+        simd::run(isa, CountLoop { n: self.n, tail: &self.tail, first, target });
+        for (other, coordinates) in self.others.iter().enumerate() {
+            coordinates.fill(isa, first, target, other + 1);
+        }
     }
-    fn renew(&mut self, stream: &Stream) -> bool {
+    fn renew_axes(&mut self, stream: &Stream) -> bool {
         let bits = stream.scramble_bits();
         // Keys of the other axes count from 0.
         self.tail = Tail::new(self.scramble, splitmix(bits, BASES as u64));

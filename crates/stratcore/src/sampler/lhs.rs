@@ -3,7 +3,7 @@
 use super::hash::splitmix;
 use super::permutation::Permutation;
 use super::random::{Slabs, UniformPoints, count_up};
-use super::target::Target;
+use super::target::{ByAxis, Target};
 use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
 use crate::rng::{Stream, StreamKey};
 use crate::simd::{Divisor, Isa};
@@ -58,15 +58,14 @@ impl Slabs for RooksPoints {
     }
 }
 
-impl Points for RooksPoints {
-    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
-        let target = &mut Target::Rows { points, dim: self.offsets.dim };
+impl ByAxis for RooksPoints {
+    fn dim(&self) -> usize {
+        self.offsets.dim
+    }
+    fn write(&self, isa: Isa, first: u64, target: &mut Target<'_>) {
         self.offsets.write_in_slabs(isa, first, target, self);
     }
-    fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
-        self.offsets.write_in_slabs(isa, first, &mut Target::Centred(columns), self);
-    }
-    fn renew(&mut self, stream: &Stream) -> bool {
+    fn renew_axes(&mut self, stream: &Stream) -> bool {
         self.offsets.stream = *stream;
         let bits = stream.scramble_bits();
         for (axis, permutation) in (1..).zip(&mut self.others) {

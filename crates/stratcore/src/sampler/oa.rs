@@ -4,7 +4,7 @@ use super::hash::{splitmix, whole};
 use super::jittered::root_floor;
 use super::permutation::Permutation;
 use super::random::{Slabs, UniformPoints};
-use super::target::Target;
+use super::target::{ByAxis, Target};
 use super::{Admissible, Facts, Kind, PointSet, Points, Sampler, Scramble};
 use crate::rng::Stream;
 use crate::simd::{Divisor, Isa};
@@ -100,15 +100,14 @@ impl Slabs for ArrayPoints {
     }
 }
 
-impl Points for ArrayPoints {
-    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
-        let target = &mut Target::Rows { points, dim: self.offsets.dim };
+impl ByAxis for ArrayPoints {
+    fn dim(&self) -> usize {
+        self.offsets.dim
+    }
+    fn write(&self, isa: Isa, first: u64, target: &mut Target<'_>) {
         self.offsets.write_in_slabs(isa, first, target, self);
     }
-    fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
-        self.offsets.write_in_slabs(isa, first, &mut Target::Centred(columns), self);
-    }
-    fn renew(&mut self, stream: &Stream) -> bool {
+    fn renew_axes(&mut self, stream: &Stream) -> bool {
         self.offsets.stream = *stream;
         for (axis, both) in (0..).zip(&mut self.permutations) {
             let key = splitmix(stream.scramble_bits(), axis);

@@ -1,5 +1,31 @@
 //! Where the coordinates of points are written.
 
+use super::Points;
+use crate::rng::Stream;
+use crate::simd::Isa;
+
+/// Points that are made axis by axis, wherever their coordinates go.
+pub(super) trait ByAxis {
+    /// Coordinates of a point.
+    fn dim(&self) -> usize;
+    /// Writes points `first ..`, as many as the target holds.
+    fn write(&self, isa: Isa, first: u64, target: &mut Target<'_>);
+    /// [`Points::renew`].
+    fn renew_axes(&mut self, stream: &Stream) -> bool;
+}
+
+impl<P: ByAxis> Points for P {
+    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
+        self.write(isa, first, &mut Target::Rows { points, dim: self.dim() });
+    }
+    fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
+        self.write(isa, first, &mut Target::Centred(columns));
+    }
+    fn renew(&mut self, stream: &Stream) -> bool {
+        self.renew_axes(stream)
+    }
+}
+
 /// The points of a run: the coordinates of an axis come together.
 pub(super) enum Target<'a> {
     /// Row-major, `dim` coordinates to a point.

@@ -1,11 +1,10 @@
 //! The (0,2)-sequence of the first two Sobol' dimensions, and points made of several.
 
-use super::Points;
 use super::hash::splitmix;
 use super::owen::{DigitScramble, Indices, NestedUniform, own_bits, whole_vectors};
 use super::permutation::Permutation;
 use super::scramble::Scramble;
-use super::target::Target;
+use super::target::{ByAxis, Target};
 use crate::rng::Stream;
 use crate::simd::{self, BLOCK, Isa, Loop};
 use std::ops::Range;
@@ -134,23 +133,17 @@ pub(super) fn pair_keys(bits: u64, pair: u64) -> [u64; 2] {
     [key, splitmix(key, u64::MAX)]
 }
 
-impl PaddedPoints {
+impl ByAxis for PaddedPoints {
+    fn dim(&self) -> usize {
+        self.dim
+    }
     fn write(&self, isa: Isa, first: u64, target: &mut Target<'_>) {
         for (pair, sequence) in self.pairs.iter().enumerate() {
             let axes = 2 * pair..self.dim.min(2 * pair + 2);
             simd::run(isa, PairLoop { sequence, first, target, axes });
         }
     }
-}
-
-impl Points for PaddedPoints {
-    fn fill_with(&self, isa: Isa, first: u64, points: &mut [f64]) {
-        self.write(isa, first, &mut Target::Rows { points, dim: self.dim });
-    }
-    fn fill_centred(&self, isa: Isa, first: u64, columns: [&mut [f32]; 2]) {
-        self.write(isa, first, &mut Target::Centred(columns));
-    }
-    fn renew(&mut self, stream: &Stream) -> bool {
+    fn renew_axes(&mut self, stream: &Stream) -> bool {
         let Some((scramble, levels)) = self.scrambled else { return false };
         let bits = stream.scramble_bits();
         for (pair, sequence) in (0..).zip(&mut self.pairs) {
