@@ -10,8 +10,8 @@ use crate::integrand::Integrand;
 use crate::sampler::{Placement, PointSet, Sampler, Scramble};
 use crate::scene::{Channel, Distribution, Light, PixelFrame, Scene};
 use crate::simd::{
-    self, Anywhere, Cells, Entry, Facet32, Ground, Isa, Lanes4, Pixel32, Scattered, Shading,
-    Sorted, Strata, Trials, Work,
+    self, Anywhere, Cells, Columns, DOUBT, Facet32, Ground, Isa, Lanes4, Pixel32, Scattered,
+    Shading, Sorted, Strata, Trials, W_SLACK, Work,
 };
 use crate::trace::Accel;
 use std::cell::RefCell;
@@ -97,16 +97,26 @@ impl PixelBeam {
             _ => background,
         };
         let ground = if ground.is_finite() { ground } else { 0.0 };
+        let depth_unit = depth_unit(&facets);
         let shading = match scene.light {
             Light::Headlight => {
                 let turn = centred.du.length().max(centred.dv.length()) / length_squared.c.sqrt();
-                if turn < NARROW { Shading::Polynomial } else { Shading::WideHeadlight }
+                // A single facet never meets another in a stratum.
+                let is_late = facets.len() > 1
+                    && (ground as f32).is_finite()
+                    && shades.iter().all(|shade| shade.is_factor(depth_unit));
+                match (turn < NARROW, is_late) {
+                    (false, _) => Shading::WideHeadlight,
+                    (true, true) => Shading::Headlight,
+                    (true, false) => Shading::Polynomial,
+                }
             }
             Light::Off | Light::Directional { .. } => Shading::Directional,
             Light::Point { .. } => Shading::Point,
         };
+        // Its kernel subtracts the ground in f32.
+        let ground = if shading == Shading::Headlight { f64::from(ground as f32) } else { ground };
         let inverse_root = length_squared.inverse_root();
-        let depth_unit = depth_unit(&facets);
         let mut all_occluders = Vec::new();
         let mut facets32 = Vec::with_capacity(facets.len());
         for (facet, shade) in facets.iter().zip(&shades) {
@@ -119,15 +129,25 @@ impl PixelBeam {
             shade.write(shading, ground, &inverse_root, depth_unit, &mut out);
             facets32.push(out);
         }
+        // Steep ones reach nearer than those before them: the bounds fall only so.
+        let mut bound = 0.0;
+        for facet in facets32.iter_mut().rev() {
+            bound = facet.w_hi.max(bound);
+            facet.w_hi = bound;
+        }
         let mut seen_behind = Facet32 { is_flat: true, ..Facet32::default() };
         seen_behind.shade[0] = (background - ground) as f32;
+        let columns = facets32.chunks(Columns::LEN).map(|some| Columns::of(some.iter())).collect();
         let pixel32 = Pixel32 {
             facets: facets32,
+            columns,
             occluders: all_occluders.iter().map(Occluder::lanes).collect(),
             ground: Ground {
                 shading,
                 background: seen_behind,
+                value: ground as f32,
                 length_squared: coefficients(&length_squared),
+                inverse_length: coefficients(&inverse_root),
             },
         };
         let occluders = all_occluders;
@@ -200,8 +220,8 @@ impl PixelBeam {
     }
 
     /// Settles what f32 leaves in doubt.
-    fn settle(&self, list: &[Entry], s: f64, t: f64) -> f64 {
-        self.nearest(list.iter().map(|entry| entry.facet), s, t).1 - self.ground
+    fn settle(&self, list: &mut dyn Iterator<Item = u32>, s: f64, t: f64) -> f64 {
+        self.nearest(list, s, t).1 - self.ground
     }
 
     /// What may stand between a facet and the light.
@@ -220,7 +240,7 @@ impl PixelBeam {
     pub(crate) fn is_constant(&self, facet: usize) -> bool {
         match self.shades[facet].lit {
             Lit::Constant(_) => true,
-            Lit::Headlight { cosine } => cosine.magnitude() == 0.0,
+            Lit::Headlight { cosine, .. } => cosine.magnitude() == 0.0,
             Lit::Point { factor, .. } => factor == 0.0,
         }
     }
@@ -236,7 +256,7 @@ impl PixelBeam {
 
     /// Overwrites `values` with those at positions about the centre, less the ground.
     fn values_at(&self, positions: [&[f32]; 2], values: &mut [f32], sorted: &mut Sorted) {
-        let settle = |list: &[Entry], s: f64, t: f64| self.settle(list, s, t);
+        let settle = |list: &mut dyn Iterator<Item = u32>, s, t| self.settle(list, s, t);
         let (isa, pixel) = (self.isa, &self.pixel32);
         simd::values_at(isa, pixel, self.cells(), positions, values, sorted, &settle);
     }
@@ -307,7 +327,7 @@ impl Integrand for PixelBeam {
             _ => None,
         };
         let (isa, pixel) = (self.isa, &self.pixel32);
-        let settle = |list: &[Entry], s: f64, t: f64| self.settle(list, s, t);
+        let settle = |list: &mut dyn Iterator<Item = u32>, s, t| self.settle(list, s, t);
         let trials = Trials { key: &set.key, first: first_trial, cancel };
         match (placement, strata, u32::try_from(n)) {
             (Placement::Strata, Some(per_axis), _) => {
@@ -362,22 +382,32 @@ fn visible_facets(isa: Isa, scene: &Scene, accel: &Accel, centred: &CentredFrame
     })
 }
 
-/// The power of two next to the greatest 1/t of the pixel. In units of it f32 holds the cube of
-/// 1/t, whatever the units of the scene; dividing by it changes no bit of a number. Facets come
-/// nearest first.
+/// A power of two: in units of it the greatest 1/t of the pixel is 1/8 to 1/4. A plane that lies
+/// before the eye in all of the pixel, and nowhere nearer than that, then rounds by less than
+/// [`W_SLACK`], and one that a horizon cuts does so down to half of the pixel; and f32 holds the
+/// cube of 1/t, whatever the units of the scene. Dividing by it changes no bit of a number. Facets
+/// come nearest first.
 fn depth_unit(facets: &[Facet]) -> f64 {
     let greatest = facets.first().map_or(0.0, |facet| facet.nearest);
-    if greatest > 0.0 && greatest.is_finite() { greatest.log2().floor().exp2() } else { 1.0 }
+    if greatest > 0.0 && greatest.is_finite() { 8.0 * greatest.log2().floor().exp2() } else { 1.0 }
 }
 
 fn facet_lanes(facet: &Facet, depth_unit: f64) -> Facet32 {
-    let w = &facet.inverse_depth.scaled(depth_unit.recip());
-    // Each coefficient rounds by 2^-25 of itself, and the two fused steps once more.
-    let w_slack = ((w.c.abs() + w.s.abs() + w.t.abs()) * 2f64.powi(-22)) as f32;
+    let mut w = facet.inverse_depth.scaled(depth_unit.recip());
+    // Each coefficient rounds by 2^-24 of itself, and so do the two fused steps: in all by less
+    // than 2^-22 of c and s and t.
+    let rounding = (w.c.abs() + w.s.abs() + w.t.abs()) * 2f64.powi(-22);
+    let is_steep = rounding > f64::from(W_SLACK);
+    // So that it is never found hidden where it is not.
+    let bias = if is_steep { rounding } else { 0.0 };
+    w.c += bias;
+    let w_slack = if is_steep { (2.0 * rounding) as f32 } else { W_SLACK };
     let nearest = (facet.nearest / depth_unit) as f32;
     Facet32 {
-        lanes: lanes([facet.edges[0], facet.edges[1], facet.edges[2], *w]),
+        lanes: lanes([facet.edges[0], facet.edges[1], facet.edges[2], w]),
+        w_bias: bias as f32,
         w_slack,
+        margin_cap: if is_steep { 0.5 * DOUBT } else { f32::INFINITY },
         w_hi: nearest + 3.0 * w_slack,
         w_cap: nearest + 1.5 * w_slack,
         rows: [facet.rows[0] as f32 - 1e-6, facet.rows[1] as f32 + 1e-6],

@@ -19,8 +19,8 @@ pub(crate) struct Shade {
 pub(crate) enum Lit {
     /// The same everywhere; 0 on a facet that the light is behind.
     Constant(f64),
-    /// factor · (n·D) / |D|, from a headlight.
-    Headlight { cosine: Affine },
+    /// albedo · (n·D) / |D|, from a headlight: the affine function is factor · 1/t.
+    Headlight { cosine: Affine, factor: f64 },
     /// factor · w³ / q^(3/2), q = |l w - D|², from a point light at l.
     Point { factor: f64, square: Quadratic },
 }
@@ -39,8 +39,9 @@ impl Shade {
         let lit = match scene.light {
             Light::Off => Lit::Constant(0.0),
             Light::Headlight => {
-                let cosine = Affine::dot(-facet.normal, centred).scaled(product([1.0; 3]));
-                Lit::Headlight { cosine }
+                let albedo = product([1.0; 3]);
+                let cosine = Affine::dot(-facet.normal, centred).scaled(albedo);
+                Lit::Headlight { cosine, factor: albedo * facet.plane_distance }
             }
             Light::Directional { towards, irradiance } => {
                 Lit::Constant(product(irradiance) * facet.normal.dot(towards).max(0.0))
@@ -64,12 +65,23 @@ impl Shade {
         let gain = match &self.lit {
             _ if !lit => 0.0,
             Lit::Constant(value) => *value,
-            Lit::Headlight { cosine } => cosine.at(s, t) / length_squared.sqrt(),
+            Lit::Headlight { cosine, .. } => cosine.at(s, t) / length_squared.sqrt(),
             Lit::Point { factor, square } => {
                 factor * (inverse_depth / square.at(s, t).sqrt()).powi(3)
             }
         };
         self.unlit + gain
+    }
+
+    /// Whether radiance is nothing but a factor of 1/t over |D| that f32 holds, for inverse depths
+    /// in `depth_unit`s.
+    pub fn is_factor(&self, depth_unit: f64) -> bool {
+        match &self.lit {
+            Lit::Headlight { factor, .. } => {
+                self.unlit == 0.0 && ((factor * depth_unit) as f32).is_finite()
+            }
+            Lit::Constant(_) | Lit::Point { .. } => false,
+        }
     }
 
     /// Whether a shadow would make a difference.
@@ -110,20 +122,23 @@ impl Shade {
                 // Takes any w to 0 under a point light: the facet is turned away from it.
                 out.to_light[0] = 1.0;
                 match shading {
-                    Shading::Polynomial | Shading::WideHeadlight => {
+                    Shading::Headlight | Shading::Polynomial | Shading::WideHeadlight => {
                         out.shade[0] = (self.unlit + value - ground) as f32;
                     }
                     Shading::Directional | Shading::Point => out.shade_gain[0] = *value as f32,
                 }
             }
-            Lit::Headlight { cosine } if shading == Shading::WideHeadlight => {
+            Lit::Headlight { cosine, .. } if shading == Shading::WideHeadlight => {
                 out.shade_gain = [cosine.c, cosine.s, cosine.t].map(|x| x as f32);
             }
-            Lit::Headlight { cosine } => {
+            Lit::Headlight { cosine, factor } => {
                 let mut radiance = inverse_root.times(cosine);
                 radiance.c += self.unlit - ground;
                 out.shade = coefficients(&radiance);
                 out.is_flat = radiance.is_constant();
+                if shading == Shading::Headlight {
+                    out.shade_gain[0] = (factor * depth_unit) as f32;
+                }
             }
             Lit::Point { factor, square } => {
                 // In units of its middle value, so that the root and the cube stay in range.

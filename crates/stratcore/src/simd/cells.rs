@@ -2,6 +2,7 @@
 
 use super::dissect::{self, Fill};
 use super::vector::MAX_LANES;
+use super::visible::Candidate;
 use super::{Entry, Pixel32, Strata, Work};
 use std::ops::Range;
 
@@ -34,7 +35,7 @@ impl Cells {
         while next_pieces(&strata, &mut work) {
             for piece in &work.pieces {
                 let fill = match piece.fill {
-                    Fill::Mixed { first, end } => cells.keep(&work, first..end),
+                    Fill::Mixed { lane, first, end } => cells.keep(&work, lane, first..end),
                     uniform => uniform,
                 };
                 for j in piece.j[0]..piece.j[1] {
@@ -73,17 +74,18 @@ impl Cells {
         }
     }
 
-    /// Copies a list with its occluders.
-    fn keep(&mut self, work: &Work, run: Range<u32>) -> Fill {
+    /// Copies a stratum's list with its occluders.
+    fn keep(&mut self, work: &Work, lane: u32, run: Range<u32>) -> Fill {
         let first = self.entries.len() as u32;
-        for entry in &work.list[run.start as usize..run.end as usize] {
+        for record in &work.list[run.start as usize..run.end as usize] {
+            let candidate = work.records[*record as usize].candidate(lane, &work.shades);
+            let Candidate { facet, w_hi, shadowed, edges, occluders } = candidate;
             let start = self.occluders.len() as u32;
-            let [from, to] = entry.occluders.map(|at| at as usize);
-            self.occluders.extend_from_slice(&work.occluders[from..to]);
+            self.occluders.extend(occluders);
             let occluders = [start, self.occluders.len() as u32];
-            self.entries.push(Entry { occluders, ..*entry });
+            self.entries.push(Entry { facet, occluders, shadowed, edges, w_hi });
         }
-        Fill::Mixed { first, end: self.entries.len() as u32 }
+        Fill::Mixed { lane: 0, first, end: self.entries.len() as u32 }
     }
 
     /// One cell: samples need no sorting.

@@ -21,8 +21,9 @@ pub(super) struct Piece {
 pub(super) enum Fill {
     /// One facet, wholly lit or wholly in shadow; none: the background.
     Uniform { facet: Option<u32>, lit: bool },
-    /// Several candidates, in a single stratum: a run of [`Work::list`].
-    Mixed { first: u32, end: u32 },
+    /// Several candidates, in a single stratum: a run of [`Work::list`], or of a cell's entries,
+    /// and the stratum's lane in [`Work::records`].
+    Mixed { lane: u32, first: u32, end: u32 },
 }
 
 impl Fill {
@@ -70,7 +71,7 @@ pub(super) fn next_pieces<V: Vector>(pixel: &Pixel32, strata: &Strata, work: &mu
     work.pieces.clear();
     loop {
         if let Some(mut tile) = work.tile.take()
-            && tile.draw::<V>(pixel, work)
+            && tile.draw::<V>(pixel, strata, work)
         {
             work.tile = Some(tile);
             return true;
@@ -101,7 +102,7 @@ pub(super) fn next_pieces<V: Vector>(pixel: &Pixel32, strata: &Strata, work: &mu
         }
         if is_tile {
             let list = [first, entries.len()];
-            let tile = Tile::new::<V>(pixel, strata, &rect, list, work);
+            let tile = Tile::new(pixel, strata, &rect, list, work);
             if list[1] - list[0] >= work.crowd {
                 work.crowded = Some(tile);
                 return true;

@@ -9,12 +9,15 @@
 //! code by hand for it.
 //!
 //! `draw` makes the points of many trials at once. `dissect` cuts the pixel into rectangles and
-//! tiles, `raster` draws facets into a tile, `crowd` samples a tile of many, `visible` finds the nearest of several, `shader`
-//! its radiance. `strata` and `scatter` sum over samples with strata and without.
+//! tiles; `raster` draws facets into a tile's blocks, of which `columns` finds the facets near a
+//! block and `strip` where they meet its strata; `crowd` samples a tile of many. `visible` finds
+//! the nearest of several facets, `shader` its radiance. `strata` and `scatter` sum over samples
+//! with strata and without.
 
 #![expect(unsafe_code, reason = "calling a function compiled for a CPU feature is unsafe")]
 
 mod cells;
+mod columns;
 mod crowd;
 mod dissect;
 mod draw;
@@ -23,6 +26,7 @@ mod raster;
 mod scatter;
 mod shader;
 mod strata;
+mod strip;
 mod types;
 mod vector;
 mod visible;
@@ -33,12 +37,14 @@ use draw::{Group, Spread};
 use std::sync::OnceLock;
 
 pub(crate) use cells::{Cells, Sorted};
+pub(crate) use columns::Columns;
 pub(crate) use draw::Trials;
 pub(crate) use fill::{BLOCK, Divisor, Loop, run};
 pub(crate) use scatter::{Anywhere, Scattered};
 pub(crate) use types::{
     Entry, Exact, Facet32, Ground, Lanes4, Pixel32, Rect, Shading, Strata, Work,
 };
+pub(crate) use visible::{DOUBT, W_SLACK};
 
 /// An instruction set that this machine runs and for which the loops were compiled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -103,10 +109,12 @@ impl Isa {
     }
 }
 
-/// Calls a kernel, for one vector, with the shader of the pixel.
+/// Calls a kernel, for one vector, with the shader of the pixel; a narrow headlight has two, of
+/// which the polynomial keeps more digits.
 macro_rules! shaded {
-    ($vector:ty, $module:ident::$kernel:ident($pixel:expr $(, $argument:expr)*)) => {
+    ($vector:ty, $headlight:ty, $module:ident::$kernel:ident($pixel:expr $(, $argument:expr)*)) => {
         match $pixel.ground.shading {
+            Shading::Headlight => $module::$kernel::<$headlight, $vector>($pixel $(, $argument)*),
             Shading::Polynomial => $module::$kernel::<Polynomial, $vector>($pixel $(, $argument)*),
             Shading::WideHeadlight => {
                 $module::$kernel::<WideHeadlight, $vector>($pixel $(, $argument)*)
@@ -123,7 +131,7 @@ macro_rules! compiled_for {
     ($module:ident, $features:literal, $vector:ty) => {
         mod $module {
             use super::scatter::{Anywhere, Scattered};
-            use super::shader::{Directional, Point, Polynomial, WideHeadlight};
+            use super::shader::{Directional, Headlight, Point, Polynomial, WideHeadlight};
             use super::{
                 Cells, Exact, Group, Pixel32, Shading, Sorted, Spread, Strata, Trials, Work,
             };
@@ -151,7 +159,7 @@ macro_rules! compiled_for {
                 let spread = groups(trials, sums.len(), &mut all);
                 let drawn = Drawn { groups: &mut all, spread, cancel: trials.cancel };
                 let next = |work: &mut Work| next_pieces(pixel, grid, work);
-                shaded!(V, strata::strata_sums(pixel, grid, drawn, work, next, exact));
+                shaded!(V, Headlight, strata::strata_sums(pixel, grid, drawn, work, next, exact));
                 Group::store(&all, sums);
                 GROUPS.set(all);
             }
@@ -168,7 +176,11 @@ macro_rules! compiled_for {
                 let mut all = GROUPS.take();
                 groups(trials, sums.len(), &mut all);
                 let cancel = trials.cancel;
-                shaded!(V, scatter::scattered_sums(pixel, samples, &mut all, room, exact, cancel));
+                shaded!(
+                    V,
+                    Polynomial,
+                    scatter::scattered_sums(pixel, samples, &mut all, room, exact, cancel)
+                );
                 Group::store(&all, sums);
                 GROUPS.set(all);
             }
@@ -182,7 +194,11 @@ macro_rules! compiled_for {
                 sorted: &mut Sorted,
                 exact: Exact<'_>,
             ) {
-                shaded!(V, scatter::values_at(pixel, cells, positions, values, sorted, exact));
+                shaded!(
+                    V,
+                    Polynomial,
+                    scatter::values_at(pixel, cells, positions, values, sorted, exact)
+                );
             }
 
             #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]

@@ -3,7 +3,7 @@
 use super::cells::Sorted;
 use super::dissect::Fill;
 use super::draw::Group;
-use super::shader::{Shader, affine};
+use super::shader::{Shader, alone};
 use super::types::Exact;
 use super::vector::{MAX_LANES, Vector};
 use super::visible::visible;
@@ -26,12 +26,13 @@ fn in_cell<S: Shader, V: Vector>(
             if facet.is_flat || (S::SHADOWS && !lit) {
                 return V::splat(facet.flat_value(lit));
             }
-            let w = affine(&facet.lanes, 3, s, t);
-            S::shade(&pixel.ground, facet, s, t, w, V::mask_all())
+            alone::<S, V>(&pixel.ground, facet, s, t)
         }
-        Fill::Mixed { first, end } => {
+        Fill::Mixed { first, end, .. } => {
             let list = &cells.entries[first as usize..end as usize];
-            visible::<S, V>(pixel, list, &cells.occluders, s, t, exact)
+            let list = list.iter().map(|entry| entry.candidate(&cells.occluders));
+            let [value] = visible::<S, V, 1>(pixel, list, [[s, t]], exact);
+            value
         }
     }
 }

@@ -7,8 +7,35 @@ use super::{Facet32, Ground, Lanes4};
 pub(super) trait Shader {
     /// Whether shadows exist under this shader.
     const SHADOWS: bool;
+    /// Whether what is seen is first known by its [factor](Facet32::shade_gain), and shaded by
+    /// [`late`](Self::late).
+    const LATE: bool = false;
     /// Radiance at samples (s, t) with inverse depth `w`, relative to the pixel's ground value.
     fn shade<V: Vector>(ground: &Ground, facet: &Facet32, s: V, t: V, w: V, lit: V::Mask) -> V;
+    /// The same where facets of these factors are seen, or the background where `w` is 0.
+    #[inline(always)]
+    fn late<V: Vector>(_: &Ground, factor: V, _: [V; 2], _: V) -> V {
+        factor
+    }
+}
+
+/// A headlight seen through a narrow pixel: albedo (n·D) / |D|, which is a factor of the facet
+/// times 1/t over |D|. Where one facet fills a rectangle, it is the polynomial.
+pub(super) struct Headlight;
+
+impl Shader for Headlight {
+    const SHADOWS: bool = false;
+    const LATE: bool = true;
+    #[inline(always)]
+    fn shade<V: Vector>(ground: &Ground, facet: &Facet32, s: V, t: V, w: V, lit: V::Mask) -> V {
+        Polynomial::shade(ground, facet, s, t, w, lit)
+    }
+    #[inline(always)]
+    fn late<V: Vector>(ground: &Ground, factor: V, [s, t]: [V; 2], w: V) -> V {
+        let inverse_length = quadratic(&ground.inverse_length, s, t);
+        let radiance = factor.mul(w).mul_add(inverse_length, V::splat(-ground.value));
+        V::select(w.gt(V::splat(0.0)), radiance, V::splat(ground.background.shade[0]))
+    }
 }
 
 /// A polynomial of second order: exact to rounding for a narrow pixel under a headlight, for
@@ -75,6 +102,13 @@ fn quadratic<V: Vector>(q: &[f32; 6], s: V, t: V) -> V {
 #[inline(always)]
 pub(super) fn affine<V: Vector>(functions: &Lanes4, which: usize, s: V, t: V) -> V {
     at(coefficients(functions, which), s, t)
+}
+
+/// Radiance of a lit facet that nothing hides.
+#[inline(always)]
+pub(super) fn alone<S: Shader, V: Vector>(ground: &Ground, facet: &Facet32, s: V, t: V) -> V {
+    let w = affine(&facet.lanes, 3, s, t).sub(V::splat(facet.w_bias));
+    S::shade(ground, facet, s, t, w, V::mask_all())
 }
 
 /// c, s and t of one of the functions in every lane.

@@ -6,11 +6,11 @@
 use super::crowd::{self, CROWD};
 use super::dissect::{self, Fill, Piece};
 use super::draw::{Group, Spread};
-use super::shader::{Shader, affine};
+use super::shader::{Shader, alone};
 use super::types::Exact;
 use super::vector::{MAX_LANES, Vector};
-use super::visible::visible;
-use super::{Entry, Facet32, Pixel32, Strata, Work};
+use super::visible::{Candidate, visible};
+use super::{Facet32, Pixel32, Strata, Work};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Samples added in f32 before the sum moves to f64: few enough to lose no more than the rounding
@@ -49,7 +49,7 @@ pub(super) fn strata_sums<S: Shader, V: Vector>(
     let mut samples = Vec::new();
     while next_pieces(work) && !cancel.load(Ordering::Relaxed) {
         if let Some(tile) = work.crowded.take() {
-            crowd::tile_sums::<S, V>(pixel, strata, &tile, groups, &mut samples, work, exact);
+            crowd::tile_sums::<S, V>(pixel, strata, tile, groups, &mut samples, work, exact);
         }
         for piece in &work.pieces {
             match piece.fill {
@@ -57,11 +57,12 @@ pub(super) fn strata_sums<S: Shader, V: Vector>(
                     let filled = Filled { pixel, strata, rect: piece, facet: pixel.facet(facet) };
                     fill_rect::<S, V>(&filled, lit, groups, spread.as_ref());
                 }
-                Fill::Mixed { first, end } => {
-                    let list = &work.list[first as usize..end as usize];
+                Fill::Mixed { lane, first, end } => {
                     let at = [piece.i[0], piece.j[0]];
-                    let occluders = &work.occluders;
-                    sample_stratum::<S, V>(pixel, strata, at, list, occluders, groups, exact);
+                    let list = work.list[first as usize..end as usize].iter();
+                    let list =
+                        list.map(|&at| work.records[at as usize].candidate(lane, &work.shades));
+                    sample_stratum::<S, V>(pixel, strata, at, list, groups, exact);
                 }
             }
         }
@@ -124,7 +125,7 @@ fn fill_groups<S: Shader, V: Vector, const K: usize>(
                 let (index, origin) = (strata.index(i, j), strata.origin(i, j));
                 for (run, group) in runs.iter_mut().zip(&*groups) {
                     let place = group.sample(index, strata.step, origin);
-                    *run = run.add(shade::<S, V>(pixel, facet, place));
+                    *run = run.add(alone::<S, V>(&pixel.ground, facet, place[0], place[1]));
                 }
             }
             for (sum, run) in sums.iter_mut().zip(runs) {
@@ -162,7 +163,7 @@ fn fill_spread<S: Shader, V: Vector, const T: usize>(
             for (i, origin) in (start..end).step_by(at_once).zip(&origins) {
                 let origin = [*origin, V::splat(strata.origin(i, j)[1])];
                 let place = spread.sample(strata.index(i, j), strata.step, origin);
-                let values = shade::<S, V>(pixel, facet, place).store();
+                let values = alone::<S, V>(&pixel.ground, facet, place[0], place[1]).store();
                 let (values, _) = values.as_chunks::<T>();
                 for stratum in &values[..at_once.min((end - i) as usize)] {
                     for (run, value) in run.iter_mut().zip(stratum) {
@@ -178,28 +179,28 @@ fn fill_spread<S: Shader, V: Vector, const T: usize>(
     sum
 }
 
-/// Radiance of a lit facet.
-#[inline(always)]
-fn shade<S: Shader, V: Vector>(pixel: &Pixel32, facet: &Facet32, [s, t]: [V; 2]) -> V {
-    let w = affine(&facet.lanes, 3, s, t);
-    S::shade(&pixel.ground, facet, s, t, w, V::mask_all())
-}
-
 /// One stratum with several candidates: the nearest facet hit gives the value.
 #[inline(always)]
 fn sample_stratum<S: Shader, V: Vector>(
     pixel: &Pixel32,
     strata: &Strata,
     [i, j]: [u32; 2],
-    list: &[Entry],
-    occluders: &[u32],
+    list: impl Iterator<Item = Candidate<impl Iterator<Item = u32> + Clone>> + Clone,
     groups: &mut [Group<V>],
     exact: Exact<'_>,
 ) {
     let (index, origin) = (strata.index(i, j), strata.origin(i, j));
-    for group in groups {
-        let [s, t] = group.sample(index, strata.step, origin);
-        let value = visible::<S, V>(pixel, list, occluders, s, t, exact);
+    // Two at a time: they share what is read of a facet.
+    let (pairs, single) = groups.as_chunks_mut::<2>();
+    for [a, b] in pairs {
+        let places = [a.sample(index, strata.step, origin), b.sample(index, strata.step, origin)];
+        let [x, y] = visible::<S, V, 2>(pixel, list.clone(), places, exact);
+        a.sum = V::sum_add(a.sum, x);
+        b.sum = V::sum_add(b.sum, y);
+    }
+    for group in single {
+        let place = group.sample(index, strata.step, origin);
+        let [value] = visible::<S, V, 1>(pixel, list.clone(), [place], exact);
         group.sum = V::sum_add(group.sum, value);
     }
 }

@@ -1,8 +1,10 @@
 //! What the kernels read and write, in f32 and in the order in which they want it.
 
+use super::columns::Columns;
 use super::dissect::Piece;
-use super::raster::{Middles, Probe, Tile};
-use super::vector::{Extent, MAX_LANES};
+use super::raster::Tile;
+use super::vector::Extent;
+use super::visible::{Candidate, EDGES};
 use std::ops::Range;
 
 /// Four affine functions of the position (s, t) in the pixel, side by side: three edges and
@@ -19,9 +21,15 @@ pub(crate) struct Lanes4 {
 pub(crate) struct Facet32 {
     /// Three edges, inside where none is negative; 1/t in a unit that the pixel chooses.
     pub lanes: Lanes4,
-    /// Rounding of 1/t anywhere in the pixel.
+    /// What is added to 1/t of a steep facet.
+    pub w_bias: f32,
+    /// Rounding of 1/t anywhere in the pixel, twice that of a steep facet.
     pub w_slack: f32,
-    /// Greatest 1/t in the pixel, at the least. Facets come in falling order of it.
+    /// Infinite, or below [`DOUBT`](super::visible::DOUBT) for a steep facet, whose 1/t rounds by
+    /// more than others do: where it is seen among others, or might be, f64 decides.
+    pub margin_cap: f32,
+    /// Greatest 1/t in the pixel, at the least, and that of any later facet: it falls from facet to
+    /// facet.
     pub w_hi: f32,
     /// Greatest 1/t that a sample is given: below `w_hi` by more than the rounding of 1/t.
     pub w_cap: f32,
@@ -30,7 +38,8 @@ pub(crate) struct Facet32 {
     /// Radiance as a polynomial c, s, t, ss, st, tt; under other shaders than the polynomial
     /// one only c counts, the part that needs no light.
     pub shade: [f32; 6],
-    /// What the light adds: an affine cosine, or a factor alone.
+    /// What the light adds: an affine cosine, or a factor alone; of a headlight through a narrow
+    /// pixel, the factor that takes 1/t over |D| to the radiance.
     pub shade_gain: [f32; 3],
     /// |l w - D|² for a point light at l.
     pub to_light: [f32; 6],
@@ -51,6 +60,7 @@ impl Facet32 {
 /// How radiance depends on the sample.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Shading {
+    Headlight,
     Polynomial,
     WideHeadlight,
     Directional,
@@ -63,8 +73,11 @@ pub(crate) struct Ground {
     pub shading: Shading,
     /// What is seen where no facet is: flat.
     pub background: Facet32,
-    /// |D|² over the pixel.
+    /// What radiances are relative to.
+    pub value: f32,
+    /// |D|² over the pixel, and 1/|D| to the second order.
     pub length_squared: [f32; 6],
+    pub inverse_length: [f32; 6],
 }
 
 /// A pixel for the kernels. Radiance is relative to a ground value that the caller adds again,
@@ -72,6 +85,8 @@ pub(crate) struct Ground {
 #[derive(Debug, Clone)]
 pub(crate) struct Pixel32 {
     pub facets: Vec<Facet32>,
+    /// Of all facets.
+    pub columns: Vec<Columns>,
     pub occluders: Vec<Lanes4>,
     pub ground: Ground,
 }
@@ -93,12 +108,23 @@ pub(crate) struct Entry {
     pub shadowed: bool,
     /// Bit e: a part of the rectangle may lie outside of edge e.
     pub(super) edges: u8,
-    /// No nearer than this anywhere in the rectangle; in a stratum's list, neither it nor any
-    /// later entry.
+    /// No nearer than this anywhere in the rectangle; in a cell's list, neither it nor any later
+    /// entry.
     pub(super) w_hi: f32,
 }
 
 impl Entry {
+    /// The facet where it is seen in the rectangle.
+    #[inline(always)]
+    pub(super) fn candidate<'a>(
+        &self,
+        occluders: &'a [u32],
+    ) -> Candidate<impl Iterator<Item = u32> + Clone + 'a> {
+        let Self { facet, w_hi, shadowed, edges, occluders: [start, end] } = *self;
+        let occluders = occluders[start as usize..end as usize].iter().copied();
+        Candidate { facet, w_hi, shadowed, edges, occluders }
+    }
+
     /// Wholly lit or wholly in shadow.
     #[inline(always)]
     pub(super) fn is_settled(&self) -> bool {
@@ -194,7 +220,7 @@ impl Strata {
 }
 
 /// Settles a doubtful sample at (s, t) in f64, among the listed facets.
-pub(crate) type Exact<'a> = &'a dyn Fn(&[Entry], f64, f64) -> f64;
+pub(crate) type Exact<'a> = &'a dyn Fn(&mut dyn Iterator<Item = u32>, f64, f64) -> f64;
 
 /// Lists that the kernels keep while they work.
 #[derive(Default)]
@@ -202,48 +228,76 @@ pub(crate) struct Work {
     pub(super) entries: Vec<Entry>,
     pub(super) occluders: Vec<u32>,
     pub(super) stack: Vec<Rect>,
-    pub(super) probes: Vec<Probe>,
+    /// Of the tile's facets, unless they are all of the pixel's.
+    pub(super) columns: Vec<Columns>,
+    /// Places in the tile's list.
+    pub(super) near: Vec<u32>,
     pub(super) records: Vec<Record>,
     pub(super) shades: Vec<Shade>,
     pub(super) tile: Option<Tile>,
-    /// Of the strata of the tile.
-    pub(super) middles: Middles,
     /// Facets from which on a tile is crowded, and such a tile.
     pub(super) crowd: usize,
     pub(super) crowded: Option<Tile>,
-    /// The lists of the pieces' strata; their occluders are in `occluders`.
-    pub(super) list: Vec<Entry>,
+    /// The lists of the pieces' strata, places in `records`.
+    pub(super) list: Vec<u32>,
     pub(super) pieces: Vec<Piece>,
 }
 
-/// Where a facet meets a vector of strata.
+/// Strata of a block at most: a bit for each in a word. Blocks are the same under every instruction
+/// set, so that all cut alike.
+pub(super) const BLOCK_STRATA: usize = 32;
+
+/// Where a facet meets a block of strata.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Record {
-    /// Its place in the tile's list.
-    pub entry: u32,
+    pub facet: u32,
     /// Bit l: it may be seen in stratum l.
     pub strata: u32,
     /// By edge, bit l: stratum l lies inside.
     pub inside: [u32; 3],
-    /// Greatest 1/t in each stratum.
-    pub w_hi: [f32; MAX_LANES],
     /// Bit l: it is wholly in shadow in stratum l.
     pub shadowed: u32,
     /// What may shadow a part of it, a run of [`Work::shades`].
     pub shades: [u32; 2],
+    /// Neither it nor any later one is nearer than this in any of the strata.
+    pub bound: f32,
+    /// Greatest 1/t in each stratum.
+    pub w_hi: [f32; BLOCK_STRATA],
 }
 
 impl Record {
-    /// Bit e: a part of stratum l may lie outside of edge e.
+    /// The facet in stratum l, wherever its edges are.
     #[inline(always)]
-    pub fn edges(&self, l: usize) -> u8 {
+    pub fn unbounded<'a>(
+        &self,
+        l: u32,
+        shades: &'a [Shade],
+    ) -> Candidate<impl Iterator<Item = u32> + Clone + 'a> {
+        Candidate { edges: EDGES, ..self.candidate(l, shades) }
+    }
+
+    /// The facet where it is seen in stratum l.
+    #[inline(always)]
+    pub fn candidate<'a>(
+        &self,
+        l: u32,
+        shades: &'a [Shade],
+    ) -> Candidate<impl Iterator<Item = u32> + Clone + 'a> {
         let [a, b, c] = self.inside;
         let bit = |strata: u32| !(strata >> l) & 1;
-        (bit(a) | bit(b) << 1 | bit(c) << 2) as u8
+        let [start, end] = self.shades.map(|at| at as usize);
+        let here = shades[start..end].iter().filter(move |shade| shade.strata >> l & 1 != 0);
+        Candidate {
+            facet: self.facet,
+            w_hi: self.bound,
+            shadowed: self.shadowed >> l & 1 != 0,
+            edges: (bit(a) | bit(b) << 1 | bit(c) << 2) as u8,
+            occluders: here.map(|shade| shade.occluder),
+        }
     }
 }
 
-/// An occluder, and the strata of a vector in which it may shadow a part of a facet.
+/// An occluder, and the strata of a block in which it may shadow a part of a facet.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Shade {
     pub occluder: u32,

@@ -16,6 +16,8 @@ pub(super) trait Vector: Copy {
 
     /// The four functions' values on a rectangle, middle ± radius.
     fn range(functions: &Lanes4, rect: &Extent) -> Range4;
+    /// The four functions' greatest values on rectangles of half such a size, by their middles.
+    fn ends(functions: &Lanes4, half: [f32; 2], slack: [f32; 4]) -> Ends4;
 
     fn splat(x: f32) -> Self;
     fn add(self, other: Self) -> Self;
@@ -32,6 +34,8 @@ pub(super) trait Vector: Copy {
     fn le(self, other: Self) -> Self::Mask;
     /// The least lane.
     fn least(self) -> f32;
+    /// The greatest lane.
+    fn greatest(self) -> f32;
     /// `yes` where the mask is set.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
     /// Reads LANES values.
@@ -44,7 +48,6 @@ pub(super) trait Vector: Copy {
     fn mask_none() -> Self::Mask;
     fn mask_all() -> Self::Mask;
     fn mask_and(a: Self::Mask, b: Self::Mask) -> Self::Mask;
-    fn mask_or(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// a and not b.
     fn mask_without(a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// Bit l is lane l's.
@@ -83,6 +86,15 @@ pub(super) struct Range4 {
     pub above: u32,
     /// Least and greatest value of the last function.
     pub last: [f32; 2],
+}
+
+/// What four functions do on any rectangle of one size.
+#[derive(Clone, Copy)]
+pub(super) struct Ends4 {
+    /// Greatest value where the rectangle's middle is at (0, 0).
+    pub high: [f32; 4],
+    /// Greatest minus least.
+    pub width: [f32; 4],
 }
 
 /// Slack of every decision about a whole rectangle: four times the rounding of a function
@@ -124,6 +136,17 @@ impl<const L: usize> Vector for Plain<L> {
             out.below |= u32::from(out.last[1] < -CULL_SLACK) << l;
         }
         out
+    }
+    #[inline(always)]
+    fn ends(functions: &Lanes4, [half_s, half_t]: [f32; 2], slack: [f32; 4]) -> Ends4 {
+        let Lanes4 { c, s, t } = functions;
+        let mut ends = Ends4 { high: [0.0; 4], width: [0.0; 4] };
+        for l in 0..4 {
+            let radius = s[l].abs().mul_add(half_s, t[l].abs().mul_add(half_t, slack[l]));
+            ends.high[l] = c[l] + radius;
+            ends.width[l] = radius + radius;
+        }
+        ends
     }
     #[inline(always)]
     fn splat(x: f32) -> Self {
@@ -179,6 +202,10 @@ impl<const L: usize> Vector for Plain<L> {
         self.0.into_iter().fold(f32::INFINITY, |least, x| if x < least { x } else { least })
     }
     #[inline(always)]
+    fn greatest(self) -> f32 {
+        self.0.into_iter().fold(f32::NEG_INFINITY, |most, x| if x > most { x } else { most })
+    }
+    #[inline(always)]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
         Self(std::array::from_fn(|l| if mask[l] { yes.0[l] } else { no.0[l] }))
     }
@@ -205,10 +232,6 @@ impl<const L: usize> Vector for Plain<L> {
     #[inline(always)]
     fn mask_and(a: Self::Mask, b: Self::Mask) -> Self::Mask {
         each(a, b, |a, b| a & b)
-    }
-    #[inline(always)]
-    fn mask_or(a: Self::Mask, b: Self::Mask) -> Self::Mask {
-        each(a, b, |a, b| a | b)
     }
     #[inline(always)]
     fn mask_without(a: Self::Mask, b: Self::Mask) -> Self::Mask {

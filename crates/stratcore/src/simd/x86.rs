@@ -5,7 +5,7 @@
 //! leave [`super`].
 
 use super::Lanes4;
-use super::vector::{CULL_SLACK, Extent, MAX_LANES, Range4, Vector};
+use super::vector::{CULL_SLACK, Ends4, Extent, MAX_LANES, Range4, Vector};
 use std::arch::x86_64::*;
 
 /// Runs an intrinsic on values.
@@ -34,6 +34,10 @@ impl Vector for Avx2 {
     #[inline(always)]
     fn range(functions: &Lanes4, rect: &Extent) -> Range4 {
         range(functions, rect)
+    }
+    #[inline(always)]
+    fn ends(functions: &Lanes4, half: [f32; 2], slack: [f32; 4]) -> Ends4 {
+        ends(functions, half, slack)
     }
     #[inline(always)]
     fn splat(x: f32) -> Self {
@@ -92,6 +96,14 @@ impl Vector for Avx2 {
         })
     }
     #[inline(always)]
+    fn greatest(self) -> f32 {
+        intrinsic!({
+            let x = _mm_max_ps(_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0));
+            let x = _mm_max_ps(x, _mm_movehl_ps(x, x));
+            _mm_cvtss_f32(_mm_max_ss(x, _mm_shuffle_ps::<1>(x, x)))
+        })
+    }
+    #[inline(always)]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
         // By bytes: where `no` is read from the place that the result goes to, a selection of
         // floats would become a masked store, which some CPUs take tens of cycles for.
@@ -127,10 +139,6 @@ impl Vector for Avx2 {
     #[inline(always)]
     fn mask_and(a: Self::Mask, b: Self::Mask) -> Self::Mask {
         intrinsic!(_mm256_and_ps(a, b))
-    }
-    #[inline(always)]
-    fn mask_or(a: Self::Mask, b: Self::Mask) -> Self::Mask {
-        intrinsic!(_mm256_or_ps(a, b))
     }
     #[inline(always)]
     fn mask_without(a: Self::Mask, b: Self::Mask) -> Self::Mask {
@@ -203,6 +211,10 @@ impl Vector for Avx512 {
         range(functions, rect)
     }
     #[inline(always)]
+    fn ends(functions: &Lanes4, half: [f32; 2], slack: [f32; 4]) -> Ends4 {
+        ends(functions, half, slack)
+    }
+    #[inline(always)]
     fn splat(x: f32) -> Self {
         intrinsic!(Self(_mm512_set1_ps(x)))
     }
@@ -255,6 +267,10 @@ impl Vector for Avx512 {
         intrinsic!(_mm512_reduce_min_ps(self.0))
     }
     #[inline(always)]
+    fn greatest(self) -> f32 {
+        intrinsic!(_mm512_reduce_max_ps(self.0))
+    }
+    #[inline(always)]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
         intrinsic!(Self(_mm512_mask_blend_ps(mask, no.0, yes.0)))
     }
@@ -285,10 +301,6 @@ impl Vector for Avx512 {
     #[inline(always)]
     fn mask_and(a: Self::Mask, b: Self::Mask) -> Self::Mask {
         a & b
-    }
-    #[inline(always)]
-    fn mask_or(a: Self::Mask, b: Self::Mask) -> Self::Mask {
-        a | b
     }
     #[inline(always)]
     fn mask_without(a: Self::Mask, b: Self::Mask) -> Self::Mask {
@@ -369,5 +381,22 @@ fn range(functions: &Lanes4, rect: &Extent) -> Range4 {
             above: _mm_movemask_ps(_mm_cmpgt_ps(lo, splat(CULL_SLACK))) as u32,
             last: [last(lo), last(hi)],
         }
+    })
+}
+
+/// Likewise.
+#[inline(always)]
+fn ends(functions: &Lanes4, [half_s, half_t]: [f32; 2], slack: [f32; 4]) -> Ends4 {
+    intrinsic!({
+        let splat = |x| _mm_set1_ps(x);
+        let abs = |x| _mm_andnot_ps(splat(-0.0), x);
+        let [c, s, t, slack] =
+            [&functions.c, &functions.s, &functions.t, &slack].map(|x| _mm_loadu_ps(x.as_ptr()));
+        let radius = _mm_fmadd_ps(abs(t), splat(half_t), slack);
+        let radius = _mm_fmadd_ps(abs(s), splat(half_s), radius);
+        let mut ends = Ends4 { high: [0.0; 4], width: [0.0; 4] };
+        _mm_storeu_ps(ends.high.as_mut_ptr(), _mm_add_ps(c, radius));
+        _mm_storeu_ps(ends.width.as_mut_ptr(), _mm_add_ps(radius, radius));
+        ends
     })
 }

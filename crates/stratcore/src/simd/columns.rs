@@ -1,0 +1,82 @@
+//! Edges of facets side by side, so that a rectangle is compared with a vector of them at once.
+
+use super::Facet32;
+use super::vector::{CULL_SLACK, Extent, MAX_LANES, Vector};
+
+/// The edges of a few facets.
+#[derive(Debug, Clone)]
+pub(crate) struct Columns {
+    /// By edge: c, s and t.
+    edges: [[[f32; MAX_LANES]; 3]; 3],
+    /// Reaches from row to row.
+    rows: [[f32; MAX_LANES]; 2],
+}
+
+impl Columns {
+    /// Facets side by side, at most.
+    pub const LEN: usize = MAX_LANES;
+
+    /// Those of the first facets; where there are fewer, no rectangle meets what is left.
+    #[inline(always)]
+    pub fn of<'a>(facets: impl Iterator<Item = &'a Facet32>) -> Self {
+        let mut columns = Self {
+            edges: [[[f32::NEG_INFINITY; MAX_LANES], [0.0; MAX_LANES], [0.0; MAX_LANES]]; 3],
+            rows: [[f32::INFINITY; MAX_LANES], [f32::NEG_INFINITY; MAX_LANES]],
+        };
+        for (l, facet) in facets.take(Self::LEN).enumerate() {
+            let functions = &facet.lanes;
+            for (which, [c, s, t]) in columns.edges.iter_mut().enumerate() {
+                (c[l], s[l], t[l]) = (functions.c[which], functions.s[which], functions.t[which]);
+            }
+            [columns.rows[0][l], columns.rows[1][l]] = facet.rows;
+        }
+        columns
+    }
+
+    /// Bit l: facet l may touch a rectangle, of the LANES from `from` on.
+    #[inline(always)]
+    fn touch<V: Vector>(&self, rect: &Extent, from: usize) -> u32 {
+        let ([s, t], [half_s, half_t]) = (rect.middle, rect.half);
+        let ends = [V::splat(t - half_t), V::splat(t + half_t)];
+        let [s, t, half_s, half_t] = [V::splat(s), V::splat(t), V::splat(half_s), V::splat(half_t)];
+        let mut least = V::splat(f32::INFINITY);
+        for [c, along_s, along_t] in &self.edges {
+            let (along_s, along_t) = (V::load(&along_s[from..]), V::load(&along_t[from..]));
+            let middle = s.mul_add(along_s, t.mul_add(along_t, V::load(&c[from..])));
+            let radius = half_s.mul_add(along_s.abs(), half_t.mul(along_t.abs()));
+            least = middle.add(radius).min(least);
+        }
+        let touches = least.ge(V::splat(-CULL_SLACK));
+        let above = V::load(&self.rows[1][from..]).ge(ends[0]);
+        let below = ends[1].ge(V::load(&self.rows[0][from..]));
+        V::mask_bits(V::mask_and(touches, V::mask_and(above, below)))
+    }
+
+    /// Bit l: facet l may touch a rectangle.
+    #[inline(always)]
+    pub(super) fn touching<V: Vector>(&self, rect: &Extent) -> u32 {
+        let mut bits = 0;
+        for from in (0..MAX_LANES).step_by(V::LANES) {
+            bits |= self.touch::<V>(rect, from) << from;
+        }
+        bits
+    }
+
+    /// Overwrites `near` with the places of the facets that may touch a rectangle, in their order.
+    #[inline(always)]
+    pub(super) fn sieve<V: Vector>(columns: &[Self], rect: &Extent, near: &mut Vec<u32>) {
+        near.resize(columns.len() * MAX_LANES + 1, 0);
+        let (mut len, mut place) = (0, 0);
+        for columns in columns {
+            let mut bits = columns.touching::<V>(rect);
+            // Without a branch: any of them may be near.
+            for _ in 0..MAX_LANES {
+                near[len] = place;
+                len += bits as usize & 1;
+                bits >>= 1;
+                place += 1;
+            }
+        }
+        near.truncate(len);
+    }
+}
