@@ -129,7 +129,7 @@ impl PixelBeam {
             shade.write(shading, ground, &inverse_root, depth_unit, &mut out);
             facets32.push(out);
         }
-        // Steep ones reach nearer than those before them: the bounds fall only so.
+        // Steep ones and needles reach nearer than some before them: the bounds fall only so.
         let mut bound = 0.0;
         for facet in facets32.iter_mut().rev() {
             bound = facet.w_hi.max(bound);
@@ -387,12 +387,12 @@ fn visible_facets(isa: Isa, scene: &Scene, accel: &Accel, centred: &CentredFrame
 /// [`W_SLACK`], and one that a horizon cuts does so down to half of the pixel; and f32 holds the
 /// cube of 1/t, whatever the units of the scene. Dividing by it changes no bit of a number. Facets
 /// come nearest first.
-fn depth_unit(facets: &[Facet]) -> f64 {
+pub(super) fn depth_unit(facets: &[Facet]) -> f64 {
     let greatest = facets.first().map_or(0.0, |facet| facet.nearest);
     if greatest > 0.0 && greatest.is_finite() { 8.0 * greatest.log2().floor().exp2() } else { 1.0 }
 }
 
-fn facet_lanes(facet: &Facet, depth_unit: f64) -> Facet32 {
+pub(super) fn facet_lanes(facet: &Facet, depth_unit: f64) -> Facet32 {
     let mut w = facet.inverse_depth.scaled(depth_unit.recip());
     // Each coefficient rounds by 2^-24 of itself, and so do the two fused steps: in all by less
     // than 2^-22 of c and s and t.
@@ -402,17 +402,35 @@ fn facet_lanes(facet: &Facet, depth_unit: f64) -> Facet32 {
     let bias = if is_steep { rounding } else { 0.0 };
     w.c += bias;
     let w_slack = if is_steep { (2.0 * rounding) as f32 } else { W_SLACK };
-    let nearest = (facet.nearest / depth_unit) as f32;
+    let anywhere = w.c + 0.5 * (w.s.abs() + w.t.abs());
+    let reach = reach(&facet.edges, &w, 2.0 * f64::from(DOUBT)).max(facet.nearest / depth_unit);
+    let nearest = reach.min(anywhere) as f32;
     Facet32 {
         lanes: lanes([facet.edges[0], facet.edges[1], facet.edges[2], w]),
         w_bias: bias as f32,
         w_slack,
-        margin_cap: if is_steep { 0.5 * DOUBT } else { f32::INFINITY },
+        is_steep,
         w_hi: nearest + 3.0 * w_slack,
-        w_cap: nearest + 1.5 * w_slack,
         rows: [facet.rows[0] as f32 - 1e-6, facet.rows[1] as f32 + 1e-6],
         ..Facet32::default()
     }
+}
+
+/// Greatest value of a function at the corners of the triangle on whose sides the edges are
+/// -`margin`, beyond a needle's tip far from those where they are 0; infinite where two sides are
+/// parallel to rounding.
+fn reach(edges: &[Affine; 3], f: &Affine, margin: f64) -> f64 {
+    /// Edges have a largest coefficient of 1.
+    const PARALLEL: f64 = 1e-9;
+    let [a, b, c] = edges;
+    let at_corner = |p: &Affine, q: &Affine| {
+        let area = p.s * q.t - p.t * q.s;
+        let (p_c, q_c) = (p.c + margin, q.c + margin);
+        let s = (p.t * q_c - q.t * p_c) / area;
+        let t = (q.s * p_c - p.s * q_c) / area;
+        if area.abs() > PARALLEL { f.at(s, t) } else { f64::INFINITY }
+    };
+    at_corner(a, b).max(at_corner(b, c)).max(at_corner(c, a))
 }
 
 pub(super) fn lanes(functions: [Affine; 4]) -> Lanes4 {

@@ -1,11 +1,12 @@
 use super::PixelBeam;
+use super::pixel::{depth_unit, facet_lanes};
 use crate::integrand::Integrand;
 use crate::rng::StreamKey;
 use crate::sampler::{
     Halton, Jittered, LatinHypercube, PointSet, Random, Sampler, Scramble, Sobol, whole_set,
 };
 use crate::scene::{self, Channel, Light, Material, Mesh, Scene};
-use crate::simd::Isa;
+use crate::simd::{DOUBT, Isa};
 use crate::study::{Control, StudyPlan, study};
 use crate::trace::{TracedScene, Tracer};
 use glam::DVec3;
@@ -242,6 +243,60 @@ fn all_instruction_sets_cut_narrow_triangles_alike() {
     for pixel in (0..64).map(|at| [at % 8, at / 8]) {
         same_bits_by_every_isa(&traced, pixel);
     }
+}
+
+/// A facet that is passed over as hidden raises no doubt: wherever none of its edges is below the
+/// doubt, beyond a needle's tip too, its 1/t is within the bound. Needles in a pixel of 3e-6
+/// radians are as long as they are far, and f64 has their planes to some digits alone.
+#[test]
+fn bounds_hold_wherever_edges_are_in_doubt() {
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(12);
+    let axis = DVec3::new(0.1, 0.05, 1.0).normalize();
+    let across = axis.cross(DVec3::Y).normalize();
+    let upwards = across.cross(axis);
+    let fov = 3e-6;
+    let mut needles = Vec::new();
+    for _ in 0..400 {
+        let mut at = |depth: f64, reach: f64| {
+            let [x, y] = [0; 2].map(|_| rng.random_range(-reach..reach) * fov * depth);
+            DVec3::new(0.3, -0.2, 0.1) + axis * depth + across * x + upwards * y
+        };
+        let (tip, base) = (at(1.0, 0.5), at(2.0, 1.0));
+        let width = 10f64.powf(rng.random_range(-4.0..0.0)) * 2.0 * fov;
+        needles.push([tip, base, base + across * width]);
+    }
+    let pixels = [(needles, fov.to_degrees()), (soup(5, 400), 20.0), (soup(6, 400), 0.5)];
+    let (mut n_inside, mut n_beyond) = (0, 0);
+    for (triangles, fov_y) in pixels {
+        let traced = labelled(&triangles, [1, 1], fov_y);
+        let beam = PixelBeam::new(traced.scene(), traced.accel(), [0, 0], Channel::R).unwrap();
+        let unit = depth_unit(beam.facets());
+        for facet in beam.facets() {
+            let bound = facet_lanes(facet, unit).w_hi;
+            for (p, q) in [(0, 1), (1, 2), (2, 0)] {
+                let (p, q) = (&facet.edges[p], &facet.edges[q]);
+                let area = p.s * q.t - p.t * q.s;
+                let corner = [(p.t * q.c - q.t * p.c) / area, (q.s * p.c - p.s * q.c) / area];
+                let length = p.s.hypot(p.t);
+                for step in 0..120 {
+                    // Along an edge, from 1e-12 to 1 pixel before its corner and beyond.
+                    let sign = if step % 2 == 0 { 1.0 } else { -1.0 };
+                    let step = sign * 10f64.powf(-0.1 * f64::from(step)) / length;
+                    let [s, t] = [corner[0] - p.t * step, corner[1] + p.s * step];
+                    let least = facet.edges.map(|edge| edge.at(s, t));
+                    let least = least.into_iter().fold(f64::INFINITY, f64::min);
+                    let is_here = s.abs() <= 0.5 && t.abs() <= 0.5;
+                    if is_here && least >= -1.9 * f64::from(DOUBT) {
+                        let w = facet.inverse_depth.at(s, t) / unit;
+                        assert!(w <= f64::from(bound), "{w} above {bound} at {s}, {t}");
+                        n_inside += usize::from(least >= -1e-12);
+                        n_beyond += usize::from(least < -1e-8);
+                    }
+                }
+            }
+        }
+    }
+    assert!(n_inside > 1000 && n_beyond > 1000, "{n_inside} {n_beyond}");
 }
 
 /// A trial's mean is its own where one facet fills rectangles wider than a run of f32 sums, which

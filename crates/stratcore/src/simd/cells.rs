@@ -2,7 +2,6 @@
 
 use super::dissect::{self, Fill};
 use super::vector::MAX_LANES;
-use super::visible::Candidate;
 use super::{Entry, Pixel32, Strata, Work};
 use std::ops::Range;
 
@@ -35,7 +34,7 @@ impl Cells {
         while next_pieces(&strata, &mut work) {
             for piece in &work.pieces {
                 let fill = match piece.fill {
-                    Fill::Mixed { lane, first, end } => cells.keep(&work, lane, first..end),
+                    Fill::Mixed { first, end } => cells.keep(&work, first..end),
                     uniform => uniform,
                 };
                 for j in piece.j[0]..piece.j[1] {
@@ -75,17 +74,16 @@ impl Cells {
     }
 
     /// Copies a stratum's list with its occluders.
-    fn keep(&mut self, work: &Work, lane: u32, run: Range<u32>) -> Fill {
+    fn keep(&mut self, work: &Work, run: Range<u32>) -> Fill {
         let first = self.entries.len() as u32;
-        for record in &work.list[run.start as usize..run.end as usize] {
-            let candidate = work.records[*record as usize].candidate(lane, &work.shades);
-            let Candidate { facet, w_hi, shadowed, edges, occluders } = candidate;
-            let start = self.occluders.len() as u32;
-            self.occluders.extend(occluders);
-            let occluders = [start, self.occluders.len() as u32];
-            self.entries.push(Entry { facet, occluders, shadowed, edges, w_hi });
+        for entry in &work.list[run.start as usize..run.end as usize] {
+            let [start, end] = entry.occluders.map(|at| at as usize);
+            let kept = self.occluders.len() as u32;
+            self.occluders.extend(&work.list_occluders[start..end]);
+            let occluders = [kept, self.occluders.len() as u32];
+            self.entries.push(Entry { occluders, ..*entry });
         }
-        Fill::Mixed { lane: 0, first, end: self.entries.len() as u32 }
+        Fill::Mixed { first, end: self.entries.len() as u32 }
     }
 
     /// One cell: samples need no sorting.

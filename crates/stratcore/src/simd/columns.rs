@@ -1,15 +1,18 @@
-//! Edges of facets side by side, so that a rectangle is compared with a vector of them at once.
+//! Edges and bounds of facets side by side, so that a rectangle or a horizon is compared with a
+//! vector of them at once.
 
 use super::Facet32;
 use super::vector::{CULL_SLACK, Extent, MAX_LANES, Vector};
 
-/// The edges of a few facets.
+/// Edges and bounds of a few facets.
 #[derive(Debug, Clone)]
 pub(crate) struct Columns {
     /// By edge: c, s and t.
     edges: [[[f32; MAX_LANES]; 3]; 3],
     /// Reaches from row to row.
     rows: [[f32; MAX_LANES]; 2],
+    /// Neither it nor any later one is nearer than this.
+    w_hi: [f32; MAX_LANES],
 }
 
 impl Columns {
@@ -22,6 +25,7 @@ impl Columns {
         let mut columns = Self {
             edges: [[[f32::NEG_INFINITY; MAX_LANES], [0.0; MAX_LANES], [0.0; MAX_LANES]]; 3],
             rows: [[f32::INFINITY; MAX_LANES], [f32::NEG_INFINITY; MAX_LANES]],
+            w_hi: [f32::NEG_INFINITY; MAX_LANES],
         };
         for (l, facet) in facets.take(Self::LEN).enumerate() {
             let functions = &facet.lanes;
@@ -29,6 +33,7 @@ impl Columns {
                 (c[l], s[l], t[l]) = (functions.c[which], functions.s[which], functions.t[which]);
             }
             [columns.rows[0][l], columns.rows[1][l]] = facet.rows;
+            columns.w_hi[l] = facet.w_hi;
         }
         columns
     }
@@ -58,6 +63,16 @@ impl Columns {
         let mut bits = 0;
         for from in (0..MAX_LANES).step_by(V::LANES) {
             bits |= self.touch::<V>(rect, from) << from;
+        }
+        bits
+    }
+
+    /// Bit l: facet l or a later one may come nearer than a horizon.
+    #[inline(always)]
+    pub(super) fn before<V: Vector>(&self, horizon: f32) -> u32 {
+        let mut bits = 0;
+        for from in (0..MAX_LANES).step_by(V::LANES) {
+            bits |= V::mask_bits(V::load(&self.w_hi[from..]).ge(V::splat(horizon))) << from;
         }
         bits
     }

@@ -21,9 +21,8 @@ pub(super) struct Piece {
 pub(super) enum Fill {
     /// One facet, wholly lit or wholly in shadow; none: the background.
     Uniform { facet: Option<u32>, lit: bool },
-    /// Several candidates, in a single stratum: a run of [`Work::list`], or of a cell's entries,
-    /// and the stratum's lane in [`Work::records`].
-    Mixed { lane: u32, first: u32, end: u32 },
+    /// Several candidates, in a single stratum: a run of [`Work::list`], or of the cells' entries.
+    Mixed { first: u32, end: u32 },
 }
 
 impl Fill {

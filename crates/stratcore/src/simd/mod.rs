@@ -77,7 +77,13 @@ impl Isa {
         #[allow(unused_mut, reason = "other targets have the baseline alone")]
         let mut found = vec![Self::BASELINE];
         #[cfg(target_arch = "x86_64")]
-        if is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma") {
+        if is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("fma")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("bmi2")
+            && is_x86_feature_detected!("lzcnt")
+            && is_x86_feature_detected!("popcnt")
+        {
             found.push(Self(Kind::Avx2));
             if is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512vl")
@@ -136,7 +142,7 @@ macro_rules! compiled_for {
                 Cells, Exact, Group, Pixel32, Shading, Sorted, Spread, Strata, Trials, Work,
             };
             use super::{dissect, scatter, strata};
-            use crate::simd::strata::Drawn;
+            use crate::simd::strata::{Drawn, Room};
             use std::cell::RefCell;
 
             type V = $vector;
@@ -144,6 +150,7 @@ macro_rules! compiled_for {
             thread_local! {
                 /// Room for trials, kept from call to call.
                 static GROUPS: RefCell<Vec<Group<V>>> = const { RefCell::new(Vec::new()) };
+                static ROOM: RefCell<Room<V>> = RefCell::default();
             }
 
             #[cfg_attr(target_arch = "x86_64", target_feature(enable = $features))]
@@ -157,9 +164,14 @@ macro_rules! compiled_for {
             ) {
                 let mut all = GROUPS.take();
                 let spread = groups(trials, sums.len(), &mut all);
-                let drawn = Drawn { groups: &mut all, spread, cancel: trials.cancel };
                 let next = |work: &mut Work| next_pieces(pixel, grid, work);
+                let mut room = ROOM.take();
+                let cancel = trials.cancel;
+                let drawn = Drawn { groups: &mut all, room: &mut room, spread, cancel };
                 shaded!(V, Headlight, strata::strata_sums(pixel, grid, drawn, work, next, exact));
+                if !room.is_large() {
+                    ROOM.set(room);
+                }
                 Group::store(&all, sums);
                 GROUPS.set(all);
             }
@@ -231,9 +243,13 @@ compiled_for!(baseline, "sse2", crate::simd::vector::Plain<8>);
 #[cfg(test)]
 compiled_for!(wide, "sse2", crate::simd::vector::Plain<{ crate::simd::vector::MAX_LANES }>);
 #[cfg(target_arch = "x86_64")]
-compiled_for!(avx2, "avx2,fma", crate::simd::x86::Avx2);
+compiled_for!(avx2, "avx2,fma,bmi1,bmi2,lzcnt,popcnt", crate::simd::x86::Avx2);
 #[cfg(target_arch = "x86_64")]
-compiled_for!(avx512, "avx512f,avx512vl,avx512dq,avx2,fma", crate::simd::x86::Avx512);
+compiled_for!(
+    avx512,
+    "avx512f,avx512vl,avx512dq,avx2,fma,bmi1,bmi2,lzcnt,popcnt",
+    crate::simd::x86::Avx512
+);
 
 /// Calls a kernel in the form compiled for an instruction set.
 macro_rules! dispatch {

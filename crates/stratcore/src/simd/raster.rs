@@ -7,8 +7,8 @@
 use super::columns::Columns;
 use super::dissect::{Fill, Piece};
 use super::strip::Strips;
-use super::types::{BLOCK_STRATA, Record, Shade, Work};
-use super::vector::{Extent, Vector};
+use super::types::{BLOCK_STRATA, Work};
+use super::vector::{Bits, Extent, Vector};
 use super::{Entry, Pixel32, Rect, Strata};
 use std::ops::Range;
 
@@ -113,7 +113,7 @@ impl Tile {
         work: &mut Work,
     ) -> bool {
         let Some(block) = self.next_block::<V>(pixel, strata, work) else { return false };
-        let Work { entries, occluders, near, records, shades, list, pieces, .. } = work;
+        let Work { entries, occluders, near, records, shades, .. } = &mut *work;
         let facets = &entries[self.list()];
         records.clear();
         shades.clear();
@@ -125,45 +125,14 @@ impl Tile {
             if record.strata == 0 {
                 continue;
             }
-            record.facet = entry.facet;
-            record.shadowed = if entry.shadowed { u32::MAX } else { 0 };
-            let [start, end] = entry.occluders.map(|at| at as usize);
-            if start != end {
-                strips.shadows(pixel, &occluders[start..end], &mut record, shades);
-            }
+            strips.shadows(pixel, entry, occluders, &mut record, shades);
             records.push(record);
         }
         for record in &mut *records {
             strips.close(record);
         }
-        let mixed = block.uniform(records, shades, pieces);
-        // A stratum's places lie side by side, with room for all records.
-        let room = records.len();
-        list.resize(list.len().max(room * BLOCK_STRATA), 0);
-        let mut lens = [0; BLOCK_STRATA];
-        for (at, record) in (0..).zip(&records[..]) {
-            let mut left = record.strata & mixed;
-            while left != 0 {
-                let l = left.trailing_zeros() as usize % BLOCK_STRATA;
-                left &= left - 1;
-                list[l * room + lens[l]] = at;
-                lens[l] += 1;
-            }
-        }
-        let mut farthest = 0.0;
-        for record in records.iter_mut().rev() {
-            farthest = if record.bound > farthest { record.bound } else { farthest };
-            record.bound = farthest;
-        }
-        let mut left = mixed;
-        while left != 0 {
-            let l = left.trailing_zeros() as usize % BLOCK_STRATA;
-            left &= left - 1;
-            let [i, j] = block.stratum(l);
-            let (lane, first) = (l as u32, (l * room) as u32);
-            let fill = Fill::Mixed { lane, first, end: first + lens[l] as u32 };
-            pieces.push(Piece { i: [i, i + 1], j: [j, j + 1], fill });
-        }
+        let mixed = block.uniform(work);
+        block.list(mixed, work);
         true
     }
 }
@@ -207,16 +176,17 @@ impl Block {
     /// Appends the pieces of those strata that nothing or a single facet fills, wholly lit or
     /// wholly in shadow. Bit l of what it gives: stratum l is none of them.
     #[inline(always)]
-    fn uniform(&self, records: &[Record], shades: &[Shade], pieces: &mut Vec<Piece>) -> u32 {
+    fn uniform(&self, work: &mut Work) -> u32 {
+        let Work { records, shades, pieces, .. } = work;
         let (mut met, mut shared) = (0, 0);
-        for record in records {
+        for record in &*records {
             shared |= met & record.strata;
             met |= record.strata;
         }
         let real = u32::MAX >> (u32::BITS as usize - self.n_strata);
         self.runs(real & !met, Fill::NOTHING, pieces);
         let mut mixed = met;
-        for record in records {
+        for record in &*records {
             let [a, b, c] = record.inside;
             let alone = record.strata & !shared & a & b & c;
             if alone == 0 {
@@ -232,6 +202,51 @@ impl Block {
             mixed &= !(lit | shadowed);
         }
         mixed
+    }
+
+    /// Appends the pieces of the strata whose bits are set, and lists what may be seen in each.
+    #[inline(always)]
+    fn list(&self, mixed: u32, work: &mut Work) {
+        let Work { records, shades, list, list_occluders, pieces, .. } = work;
+        // A stratum's entries lie side by side, written from the last to the first.
+        let mut firsts = [0; BLOCK_STRATA];
+        for record in &*records {
+            for l in Bits(record.strata & mixed) {
+                firsts[l % BLOCK_STRATA] += 1;
+            }
+        }
+        let mut len = 0;
+        for first in &mut firsts {
+            len += *first;
+            *first = len;
+        }
+        let ends = firsts;
+        list.resize(list.len().max(len), Entry::default());
+        list_occluders.clear();
+        let mut bounds = [0.0; BLOCK_STRATA];
+        for record in records.iter().rev() {
+            for l in Bits(record.strata & mixed) {
+                let l = l % BLOCK_STRATA;
+                let (bound, w_hi) = (&mut bounds[l], record.w_hi[l]);
+                *bound = if w_hi > *bound { w_hi } else { *bound };
+                let shadow = record.shadow(l as u32, shades);
+                let start = list_occluders.len() as u32;
+                list_occluders.extend(shadow.occluders);
+                firsts[l] -= 1;
+                list[firsts[l]] = Entry {
+                    facet: record.facet,
+                    occluders: [start, list_occluders.len() as u32],
+                    shadowed: shadow.is_whole,
+                    edges: record.edges(l as u32),
+                    w_hi: *bound,
+                };
+            }
+        }
+        for l in Bits(mixed) {
+            let [i, j] = self.stratum(l);
+            let [first, end] = [firsts, ends].map(|at| at[l % BLOCK_STRATA] as u32);
+            pieces.push(Piece { i: [i, i + 1], j: [j, j + 1], fill: Fill::Mixed { first, end } });
+        }
     }
 
     /// Appends the strata whose bits are set: all of the block, or a piece for each run within a

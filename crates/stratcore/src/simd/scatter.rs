@@ -28,9 +28,9 @@ fn in_cell<S: Shader, V: Vector>(
             }
             alone::<S, V>(&pixel.ground, facet, s, t)
         }
-        Fill::Mixed { first, end, .. } => {
+        Fill::Mixed { first, end } => {
             let list = &cells.entries[first as usize..end as usize];
-            let list = list.iter().map(|entry| entry.candidate(&cells.occluders));
+            let list = list.iter().map(|entry| entry.candidate::<S>(&cells.occluders));
             let [value] = visible::<S, V, 1>(pixel, list, [[s, t]], exact);
             value
         }

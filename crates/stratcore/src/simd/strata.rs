@@ -9,7 +9,7 @@ use super::draw::{Group, Spread};
 use super::shader::{Shader, alone};
 use super::types::Exact;
 use super::vector::{MAX_LANES, Vector};
-use super::visible::{Candidate, visible};
+use super::visible::{Candidate, Sample, visible};
 use super::{Facet32, Pixel32, Strata, Work};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -17,12 +17,36 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// of the values themselves does.
 const RUN: usize = 16;
 
-/// The trials of a call.
+/// The trials of a call, and room for their samples.
 pub(super) struct Drawn<'a, V: Vector> {
     pub groups: &'a mut [Group<V>],
+    pub room: &'a mut Room<V>,
     /// The last group's trials, if they are few.
     pub spread: Option<Spread<V>>,
     pub cancel: &'a AtomicBool,
+}
+
+/// Room for samples, kept from call to call.
+pub(super) struct Room<V: Vector> {
+    /// Where a stratum's samples lie.
+    pub places: Vec<[V; 2]>,
+    /// Those of a block of a crowd, a run for each stratum, and 1/t behind which they see nothing.
+    pub samples: Vec<Sample<V>>,
+    pub horizons: Vec<f32>,
+}
+
+impl<V: Vector> Default for Room<V> {
+    fn default() -> Self {
+        Self { places: Vec::new(), samples: Vec::new(), horizons: Vec::new() }
+    }
+}
+
+impl<V: Vector> Room<V> {
+    /// Too large to be kept: made for more trials than studies show at once.
+    pub fn is_large(&self) -> bool {
+        const MOST: usize = 1 << 20;
+        self.samples.capacity() * size_of::<Sample<V>>() > MOST
+    }
 }
 
 /// A rectangle of strata that one facet fills.
@@ -44,12 +68,12 @@ pub(super) fn strata_sums<S: Shader, V: Vector>(
     next_pieces: impl Fn(&mut Work) -> bool,
     exact: Exact<'_>,
 ) {
-    let Drawn { groups, spread, cancel } = drawn;
+    let Drawn { groups, room, spread, cancel } = drawn;
+    room.places.resize(groups.len(), [V::splat(0.0); 2]);
     dissect::start(pixel, strata, CROWD, work);
-    let mut samples = Vec::new();
     while next_pieces(work) && !cancel.load(Ordering::Relaxed) {
         if let Some(tile) = work.crowded.take() {
-            crowd::tile_sums::<S, V>(pixel, strata, tile, groups, &mut samples, work, exact);
+            crowd::tile_sums::<S, V>(pixel, strata, tile, groups, room, work, exact);
         }
         for piece in &work.pieces {
             match piece.fill {
@@ -57,12 +81,19 @@ pub(super) fn strata_sums<S: Shader, V: Vector>(
                     let filled = Filled { pixel, strata, rect: piece, facet: pixel.facet(facet) };
                     fill_rect::<S, V>(&filled, lit, groups, spread.as_ref());
                 }
-                Fill::Mixed { lane, first, end } => {
+                Fill::Mixed { first, end } => {
                     let at = [piece.i[0], piece.j[0]];
                     let list = work.list[first as usize..end as usize].iter();
-                    let list =
-                        list.map(|&at| work.records[at as usize].candidate(lane, &work.shades));
-                    sample_stratum::<S, V>(pixel, strata, at, list, groups, exact);
+                    let list = list.map(|entry| entry.candidate::<S>(&work.list_occluders));
+                    sample_stratum::<S, V>(
+                        pixel,
+                        strata,
+                        at,
+                        list,
+                        groups,
+                        &mut room.places,
+                        exact,
+                    );
                 }
             }
         }
@@ -121,12 +152,21 @@ fn fill_groups<S: Shader, V: Vector, const K: usize>(
     for start in (rect.i[0]..rect.i[1]).step_by(RUN) {
         for j in rect.j[0]..rect.j[1] {
             let mut runs = [V::splat(0.0); K];
-            for i in start..rect.i[1].min(start + RUN as u32) {
-                let (index, origin) = (strata.index(i, j), strata.origin(i, j));
-                for (run, group) in runs.iter_mut().zip(&*groups) {
-                    let place = group.sample(index, strata.step, origin);
-                    *run = run.add(alone::<S, V>(&pixel.ground, facet, place[0], place[1]));
+            // One ahead of what is evaluated: neither waits for the other.
+            let mut places = [[V::splat(0.0); 2]; K];
+            for (place, group) in places.iter_mut().zip(&*groups) {
+                *place = group.sample(strata.index(start, j), strata.step, strata.origin(start, j));
+            }
+            for next in start + 1..rect.i[1].min(start + RUN as u32) {
+                let (index, origin) = (strata.index(next, j), strata.origin(next, j));
+                for ((run, group), place) in runs.iter_mut().zip(&*groups).zip(&mut places) {
+                    let [s, t] = *place;
+                    *place = group.sample(index, strata.step, origin);
+                    *run = run.add(alone::<S, V>(&pixel.ground, facet, s, t));
                 }
+            }
+            for (run, [s, t]) in runs.iter_mut().zip(places) {
+                *run = run.add(alone::<S, V>(&pixel.ground, facet, s, t));
             }
             for (sum, run) in sums.iter_mut().zip(runs) {
                 *sum = V::sum_add(*sum, run);
@@ -187,20 +227,24 @@ fn sample_stratum<S: Shader, V: Vector>(
     [i, j]: [u32; 2],
     list: impl Iterator<Item = Candidate<impl Iterator<Item = u32> + Clone>> + Clone,
     groups: &mut [Group<V>],
+    places: &mut [[V; 2]],
     exact: Exact<'_>,
 ) {
     let (index, origin) = (strata.index(i, j), strata.origin(i, j));
+    // All of them first: none waits for what others meet.
+    for (place, group) in places.iter_mut().zip(&*groups) {
+        *place = group.sample(index, strata.step, origin);
+    }
     // Two at a time: they share what is read of a facet.
     let (pairs, single) = groups.as_chunks_mut::<2>();
-    for [a, b] in pairs {
-        let places = [a.sample(index, strata.step, origin), b.sample(index, strata.step, origin)];
-        let [x, y] = visible::<S, V, 2>(pixel, list.clone(), places, exact);
+    let (pairs_places, single_place) = places.as_chunks::<2>();
+    for ([a, b], places) in pairs.iter_mut().zip(pairs_places) {
+        let [x, y] = visible::<S, V, 2>(pixel, list.clone(), *places, exact);
         a.sum = V::sum_add(a.sum, x);
         b.sum = V::sum_add(b.sum, y);
     }
-    for group in single {
-        let place = group.sample(index, strata.step, origin);
-        let [value] = visible::<S, V, 1>(pixel, list.clone(), [place], exact);
+    for (group, place) in single.iter_mut().zip(single_place) {
+        let [value] = visible::<S, V, 1>(pixel, list.clone(), [*place], exact);
         group.sum = V::sum_add(group.sum, value);
     }
 }

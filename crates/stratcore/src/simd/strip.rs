@@ -3,7 +3,7 @@
 use super::shader::at;
 use super::types::{BLOCK_STRATA, Record, Shade};
 use super::vector::{CULL_SLACK, Ends4, Vector};
-use super::{Facet32, Lanes4, Pixel32};
+use super::{Entry, Facet32, Lanes4, Pixel32};
 
 /// Four functions over strata of one size, by the stratum's middle.
 struct Spans<'a> {
@@ -66,7 +66,7 @@ impl<V: Vector> Strip<V> {
         lane: usize,
         record: &mut Record,
     ) {
-        let Self { s, t, ends, real, .. } = *self;
+        let Self { s, t, ends, real } = *self;
         let zero = V::splat(0.0);
         let edges = [spans.high(0, s, t), spans.high(1, s, t), spans.high(2, s, t)];
         let w_high = spans.high(3, s, t);
@@ -146,32 +146,33 @@ impl<V: Vector> Strips<V> {
         (!is_hidden).then_some(record)
     }
 
-    /// Takes from a record what was noted since to hide it, and bounds it.
+    /// Takes from a record what was noted since to hide it.
     #[inline(always)]
     pub fn close(&self, record: &mut Record) {
         let mut open = 0;
-        let mut farthest = V::splat(0.0);
         for at in 0..self.n {
             let bounds = V::load(&record.w_hi[at * V::LANES..]);
             open |= V::mask_bits(bounds.ge(self.horizons[at])) << (at * V::LANES);
-            farthest = V::select(bounds.gt(farthest), bounds, farthest);
         }
         record.strata &= open;
-        record.bound = farthest.greatest();
     }
 
-    /// Says of a facet's record in which strata an occluder shadows it, and appends those that
-    /// may do so in a part of some.
+    /// Says in a record which facet it is of and in which strata it is wholly in shadow, and
+    /// appends those occluders that may shadow a part of some.
     #[inline(always)]
     pub fn shadows(
         &self,
         pixel: &Pixel32,
-        ids: &[u32],
+        entry: &Entry,
+        occluders: &[u32],
         record: &mut Record,
         shades: &mut Vec<Shade>,
     ) {
+        record.facet = entry.facet;
+        record.shadowed = if entry.shadowed { u32::MAX } else { 0 };
         let first = shades.len();
-        for &occluder in ids {
+        let [start, end] = entry.occluders.map(|at| at as usize);
+        for &occluder in &occluders[start..end] {
             let functions = &pixel.occluders[occluder as usize];
             let ends = V::ends(functions, self.half, [CULL_SLACK; 4]);
             let spans = Spans { functions, ends };

@@ -3,8 +3,9 @@
 use super::columns::Columns;
 use super::dissect::Piece;
 use super::raster::Tile;
+use super::shader::Shader;
 use super::vector::Extent;
-use super::visible::{Candidate, EDGES};
+use super::visible::{Candidate, Shadow};
 use std::ops::Range;
 
 /// Four affine functions of the position (s, t) in the pixel, side by side: three edges and
@@ -25,14 +26,12 @@ pub(crate) struct Facet32 {
     pub w_bias: f32,
     /// Rounding of 1/t anywhere in the pixel, twice that of a steep facet.
     pub w_slack: f32,
-    /// Infinite, or below [`DOUBT`](super::visible::DOUBT) for a steep facet, whose 1/t rounds by
-    /// more than others do: where it is seen among others, or might be, f64 decides.
-    pub margin_cap: f32,
-    /// Greatest 1/t in the pixel, at the least, and that of any later facet: it falls from facet to
-    /// facet.
+    /// Its 1/t rounds by more than others do: where it is seen among others, or might be, f64
+    /// decides.
+    pub is_steep: bool,
+    /// No sample that its edges leave in doubt is given a 1/t as great as this, nor by any later
+    /// facet: it falls from facet to facet.
     pub w_hi: f32,
-    /// Greatest 1/t that a sample is given: below `w_hi` by more than the rounding of 1/t.
-    pub w_cap: f32,
     /// Reaches from row to row, t of the pixel, at the most.
     pub rows: [f32; 2],
     /// Radiance as a polynomial c, s, t, ss, st, tt; under other shaders than the polynomial
@@ -108,21 +107,22 @@ pub(crate) struct Entry {
     pub shadowed: bool,
     /// Bit e: a part of the rectangle may lie outside of edge e.
     pub(super) edges: u8,
-    /// No nearer than this anywhere in the rectangle; in a cell's list, neither it nor any later
+    /// No nearer than this anywhere in the rectangle; in a stratum's list, neither it nor any later
     /// entry.
     pub(super) w_hi: f32,
 }
 
 impl Entry {
-    /// The facet where it is seen in the rectangle.
+    /// The facet where it is seen in the rectangle, with a run of `occluders` if `S` has shadows.
     #[inline(always)]
-    pub(super) fn candidate<'a>(
+    pub(super) fn candidate<'a, S: Shader>(
         &self,
         occluders: &'a [u32],
     ) -> Candidate<impl Iterator<Item = u32> + Clone + 'a> {
         let Self { facet, w_hi, shadowed, edges, occluders: [start, end] } = *self;
-        let occluders = occluders[start as usize..end as usize].iter().copied();
-        Candidate { facet, w_hi, shadowed, edges, occluders }
+        let run = if S::SHADOWS { start as usize..end as usize } else { 0..0 };
+        let occluders = occluders[run].iter().copied();
+        Candidate { facet, w_hi, edges, shadow: Shadow { is_whole: shadowed, occluders } }
     }
 
     /// Wholly lit or wholly in shadow.
@@ -238,8 +238,9 @@ pub(crate) struct Work {
     /// Facets from which on a tile is crowded, and such a tile.
     pub(super) crowd: usize,
     pub(super) crowded: Option<Tile>,
-    /// The lists of the pieces' strata, places in `records`.
-    pub(super) list: Vec<u32>,
+    /// The lists of the pieces' strata, and their occluders.
+    pub(super) list: Vec<Entry>,
+    pub(super) list_occluders: Vec<u32>,
     pub(super) pieces: Vec<Piece>,
 }
 
@@ -259,41 +260,29 @@ pub(super) struct Record {
     pub shadowed: u32,
     /// What may shadow a part of it, a run of [`Work::shades`].
     pub shades: [u32; 2],
-    /// Neither it nor any later one is nearer than this in any of the strata.
-    pub bound: f32,
     /// Greatest 1/t in each stratum.
     pub w_hi: [f32; BLOCK_STRATA],
 }
 
 impl Record {
-    /// The facet in stratum l, wherever its edges are.
+    /// Bit e: a part of stratum l may lie outside of edge e.
     #[inline(always)]
-    pub fn unbounded<'a>(
-        &self,
-        l: u32,
-        shades: &'a [Shade],
-    ) -> Candidate<impl Iterator<Item = u32> + Clone + 'a> {
-        Candidate { edges: EDGES, ..self.candidate(l, shades) }
+    pub fn edges(&self, l: u32) -> u8 {
+        let [a, b, c] = self.inside.map(|strata| !(strata >> l) & 1);
+        (a | b << 1 | c << 2) as u8
     }
 
-    /// The facet where it is seen in stratum l.
+    /// What shadow lies on the facet in stratum l.
     #[inline(always)]
-    pub fn candidate<'a>(
+    pub fn shadow<'a>(
         &self,
         l: u32,
         shades: &'a [Shade],
-    ) -> Candidate<impl Iterator<Item = u32> + Clone + 'a> {
-        let [a, b, c] = self.inside;
-        let bit = |strata: u32| !(strata >> l) & 1;
+    ) -> Shadow<impl Iterator<Item = u32> + Clone + 'a> {
         let [start, end] = self.shades.map(|at| at as usize);
         let here = shades[start..end].iter().filter(move |shade| shade.strata >> l & 1 != 0);
-        Candidate {
-            facet: self.facet,
-            w_hi: self.bound,
-            shadowed: self.shadowed >> l & 1 != 0,
-            edges: (bit(a) | bit(b) << 1 | bit(c) << 2) as u8,
-            occluders: here.map(|shade| shade.occluder),
-        }
+        let is_whole = self.shadowed >> l & 1 != 0;
+        Shadow { is_whole, occluders: here.map(|shade| shade.occluder) }
     }
 }
 

@@ -34,10 +34,10 @@ pub(super) trait Vector: Copy {
     fn le(self, other: Self) -> Self::Mask;
     /// The least lane.
     fn least(self) -> f32;
-    /// The greatest lane.
-    fn greatest(self) -> f32;
     /// `yes` where the mask is set.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
+    /// `yes` where the sign bit of `x` is set.
+    fn select_negative(x: Self, yes: Self, no: Self) -> Self;
     /// Reads LANES values.
     fn load(values: &[f32]) -> Self;
     /// The first LANES values are the vector's.
@@ -103,6 +103,21 @@ pub(super) const CULL_SLACK: f32 = 1e-6;
 
 /// The widest vector there is.
 pub(super) const MAX_LANES: usize = 16;
+
+/// The places of the bits that are set.
+pub(super) struct Bits(pub u32);
+
+impl Iterator for Bits {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        let at = self.0.trailing_zeros() as usize;
+        let is_one = self.0 != 0;
+        self.0 &= self.0.wrapping_sub(1);
+        is_one.then_some(at)
+    }
+}
 
 /// L lanes as a plain array: eight, and in tests also as many as the widest vector has.
 #[derive(Clone, Copy)]
@@ -202,12 +217,12 @@ impl<const L: usize> Vector for Plain<L> {
         self.0.into_iter().fold(f32::INFINITY, |least, x| if x < least { x } else { least })
     }
     #[inline(always)]
-    fn greatest(self) -> f32 {
-        self.0.into_iter().fold(f32::NEG_INFINITY, |most, x| if x > most { x } else { most })
-    }
-    #[inline(always)]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
         Self(std::array::from_fn(|l| if mask[l] { yes.0[l] } else { no.0[l] }))
+    }
+    #[inline(always)]
+    fn select_negative(x: Self, yes: Self, no: Self) -> Self {
+        Self(std::array::from_fn(|l| if x.0[l].is_sign_negative() { yes.0[l] } else { no.0[l] }))
     }
     #[inline(always)]
     fn load(values: &[f32]) -> Self {

@@ -3,27 +3,31 @@
 use super::shader::{Shader, affine, at, coefficients};
 use super::types::Exact;
 use super::vector::{MAX_LANES, Vector};
-use super::{Lanes4, Pixel32};
+use super::{Facet32, Lanes4, Pixel32};
 
 /// A sample's inside test or depth comparison closer than this is settled again in f64. Edges
 /// have a largest coefficient of 1: rounding of three coefficients and two fused steps is below
 /// 2.4e-7. Depths have a unit in which two of them round by no more together, or a facet is
-/// [steep](Facet32::margin_cap).
+/// [steep](Facet32::is_steep).
 pub(crate) const DOUBT: f32 = 4e-7;
 
 /// Rounding of 1/t anywhere in the pixel, in that unit.
 pub(crate) const W_SLACK: f32 = 0.5 * DOUBT;
 
 /// A facet that may be seen where the samples are.
-#[derive(Clone)]
 pub(super) struct Candidate<O> {
     pub facet: u32,
     /// Neither it nor any later one is nearer than this.
     pub w_hi: f32,
-    /// Wholly in shadow there.
-    pub shadowed: bool,
     /// Bit e: the samples may lie outside of edge e.
     pub edges: u8,
+    pub shadow: Shadow<O>,
+}
+
+/// What shadow lies on a facet.
+pub(super) struct Shadow<O> {
+    /// All of it does.
+    pub is_whole: bool,
     /// What may shadow a part of it.
     pub occluders: O,
 }
@@ -44,44 +48,53 @@ pub(super) struct Sample<V: Vector> {
     closest: V,
 }
 
-/// Samples meet the next facet. What a lane does depends on its own sample alone.
+/// Samples meet the next facet, whose edges among `edges` they may lie outside of. What a lane
+/// does depends on its own sample alone.
 #[inline(always)]
 fn meet<S: Shader, V: Vector, const K: usize>(
     samples: &mut [Sample<V>; K],
     pixel: &Pixel32,
-    candidate: &Candidate<impl Iterator<Item = u32> + Clone>,
+    facet: &Facet32,
+    edges: u8,
+    shadow: &Shadow<impl Iterator<Item = u32> + Clone>,
 ) {
-    let facet = &pixel.facets[candidate.facet as usize];
-    let mut margins = [V::splat(facet.margin_cap); K];
+    let inverse_depth = coefficients(&facet.lanes, 3);
+    let mut depths = [V::splat(0.0); K];
+    // Positive where the facet is hit and nearest, and near 0 where either is in doubt: what is
+    // hidden, or not hit, raises none.
+    let mut clearances = [V::splat(0.0); K];
+    for ((w, clearance), sample) in depths.iter_mut().zip(&mut clearances).zip(&*samples) {
+        *w = at(inverse_depth, sample.s, sample.t);
+        if facet.is_steep {
+            // Where coefficients leave the range of f32 it is no number, which this makes one.
+            *w = w.min(V::splat(facet.w_hi));
+        }
+        *clearance = w.sub(sample.nearest);
+        if facet.is_steep {
+            *clearance = clearance.min(V::splat(0.5 * DOUBT));
+        }
+    }
     for which in 0..3 {
-        if candidate.edges >> which & 1 != 0 {
+        if edges >> which & 1 != 0 {
             let edge = coefficients(&facet.lanes, which);
-            for (margin, sample) in margins.iter_mut().zip(&*samples) {
-                *margin = at(edge, sample.s, sample.t).min(*margin);
+            for (clearance, sample) in clearances.iter_mut().zip(&*samples) {
+                *clearance = at(edge, sample.s, sample.t).min(*clearance);
             }
         }
     }
-    let inverse_depth = coefficients(&facet.lanes, 3);
-    for (sample, margin) in samples.iter_mut().zip(margins) {
+    for ((w, clearance), sample) in depths.into_iter().zip(clearances).zip(samples) {
         let Sample { s, t, .. } = *sample;
-        // Beyond a needle's tip the plane may come nearer than the facet does, which raises a
-        // doubt or not as neighbouring lanes need the facet or not. Capped, it raises none.
-        let w = at(inverse_depth, s, t).min(V::splat(facet.w_cap));
-        // Positive where the facet is hit and nearest, and near 0 where either is in doubt: what
-        // is hidden, or not hit, raises none.
-        let clearance = w.sub(sample.nearest).min(margin);
         sample.closest = clearance.abs().min(sample.closest);
-        let wins = clearance.gt(V::splat(0.0));
         let mut lit = V::mask_all();
         if S::SHADOWS {
-            if candidate.shadowed {
+            if shadow.is_whole {
                 lit = V::mask_none();
             }
-            for id in candidate.occluders.clone() {
+            for id in shadow.occluders.clone() {
                 let occluder = &pixel.occluders[id as usize];
                 let margin = least_of_three(occluder, s, t).min(affine(occluder, 3, s, t));
                 lit = V::mask_without(lit, margin.ge(V::splat(0.0)));
-                let edge = V::select(wins, margin.abs(), V::splat(f32::INFINITY));
+                let edge = V::select_negative(clearance, V::splat(f32::INFINITY), margin.abs());
                 sample.closest = edge.min(sample.closest);
             }
         }
@@ -90,24 +103,25 @@ fn meet<S: Shader, V: Vector, const K: usize>(
         } else {
             S::shade(&pixel.ground, facet, s, t, w, lit)
         };
-        sample.value = V::select(wins, value, sample.value);
-        sample.nearest = V::select(wins, w, sample.nearest);
+        sample.value = V::select_negative(clearance, sample.value, value);
+        sample.nearest = V::select_negative(clearance, sample.nearest, w);
     }
 }
 
-/// Samples meet all facets of a list.
+/// Vectors of samples, one after the other, meet the next facet, wherever its edges are: where
+/// they are many, what is read of the facet stays in registers, and they come and go.
 #[inline(always)]
-pub(super) fn meet_all<S: Shader, V: Vector, const K: usize>(
-    samples: &mut [Sample<V>; K],
+pub(super) fn meet_each<S: Shader, V: Vector>(
+    samples: &mut [Sample<V>],
     pixel: &Pixel32,
-    list: impl Iterator<Item = Candidate<impl Iterator<Item = u32> + Clone>>,
+    facet: &Facet32,
+    shadow: &Shadow<impl Iterator<Item = u32> + Clone>,
 ) {
-    // In registers from the first to the last.
-    let mut here = *samples;
-    for candidate in list {
-        meet::<S, V, K>(&mut here, pixel, &candidate);
+    for sample in samples {
+        let mut here = [*sample];
+        meet::<S, V, 1>(&mut here, pixel, facet, EDGES, shadow);
+        [*sample] = here;
     }
-    *samples = here;
 }
 
 impl<V: Vector> Sample<V> {
@@ -116,12 +130,6 @@ impl<V: Vector> Sample<V> {
     pub fn new(pixel: &Pixel32, [s, t]: [V; 2]) -> Self {
         let value = V::splat(pixel.ground.background.shade[0]);
         Self { s, t, value, nearest: V::splat(0.0), closest: V::splat(f32::INFINITY) }
-    }
-
-    /// Behind this a lane sees nothing.
-    #[inline(always)]
-    pub fn horizon(&self) -> V {
-        self.nearest.sub(V::splat(W_SLACK))
     }
 
     /// The values, doubtful ones by f64; the list is complete where the samples are.
@@ -154,23 +162,24 @@ pub(super) fn visible<S: Shader, V: Vector, const K: usize>(
 ) -> [V; K] {
     /// Facets that are met whatever stands before them: telling whether they are hidden takes
     /// as long.
-    const FEW: usize = 2;
+    const FEW: usize = 4;
     let mut samples = [Sample::new(pixel, [V::splat(0.0); 2]); K];
     for (sample, place) in samples.iter_mut().zip(places) {
         *sample = Sample::new(pixel, place);
     }
     for (at, candidate) in list.clone().enumerate() {
         if at >= FEW {
-            let mut horizon = samples[0].horizon();
+            let mut farthest = samples[0].nearest;
             for sample in &samples[1..] {
-                horizon = sample.horizon().min(horizon);
+                farthest = sample.nearest.min(farthest);
             }
             // No later one is nearer.
-            if V::mask_bits(V::splat(candidate.w_hi).gt(horizon)) == 0 {
+            if V::mask_bits(V::splat(candidate.w_hi + W_SLACK).ge(farthest)) == 0 {
                 break;
             }
         }
-        meet::<S, V, K>(&mut samples, pixel, &candidate);
+        let facet = &pixel.facets[candidate.facet as usize];
+        meet::<S, V, K>(&mut samples, pixel, facet, candidate.edges, &candidate.shadow);
     }
     let list = list.map(|candidate| candidate.facet);
     let mut values = [V::splat(0.0); K];

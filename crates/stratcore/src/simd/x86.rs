@@ -17,7 +17,7 @@ macro_rules! intrinsic {
     };
 }
 
-/// 8 lanes, under AVX2 and FMA.
+/// 8 lanes, under AVX2, FMA, BMI, LZCNT and POPCNT.
 #[derive(Clone, Copy)]
 pub(super) struct Avx2(__m256);
 
@@ -96,20 +96,21 @@ impl Vector for Avx2 {
         })
     }
     #[inline(always)]
-    fn greatest(self) -> f32 {
-        intrinsic!({
-            let x = _mm_max_ps(_mm256_castps256_ps128(self.0), _mm256_extractf128_ps::<1>(self.0));
-            let x = _mm_max_ps(x, _mm_movehl_ps(x, x));
-            _mm_cvtss_f32(_mm_max_ss(x, _mm_shuffle_ps::<1>(x, x)))
-        })
-    }
-    #[inline(always)]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
         // By bytes: where `no` is read from the place that the result goes to, a selection of
         // floats would become a masked store, which some CPUs take tens of cycles for.
         intrinsic!({
             let (yes, no) = (_mm256_castps_si256(yes.0), _mm256_castps_si256(no.0));
             Self(_mm256_castsi256_ps(_mm256_blendv_epi8(no, yes, _mm256_castps_si256(mask))))
+        })
+    }
+    #[inline(always)]
+    fn select_negative(x: Self, yes: Self, no: Self) -> Self {
+        // By bytes, as `select`.
+        intrinsic!({
+            let mask = _mm256_srai_epi32::<31>(_mm256_castps_si256(x.0));
+            let (yes, no) = (_mm256_castps_si256(yes.0), _mm256_castps_si256(no.0));
+            Self(_mm256_castsi256_ps(_mm256_blendv_epi8(no, yes, mask)))
         })
     }
     #[inline(always)]
@@ -267,12 +268,15 @@ impl Vector for Avx512 {
         intrinsic!(_mm512_reduce_min_ps(self.0))
     }
     #[inline(always)]
-    fn greatest(self) -> f32 {
-        intrinsic!(_mm512_reduce_max_ps(self.0))
-    }
-    #[inline(always)]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self {
         intrinsic!(Self(_mm512_mask_blend_ps(mask, no.0, yes.0)))
+    }
+    #[inline(always)]
+    fn select_negative(x: Self, yes: Self, no: Self) -> Self {
+        intrinsic!({
+            let mask = _mm512_movepi32_mask(_mm512_castps_si512(x.0));
+            Self(_mm512_mask_blend_ps(mask, no.0, yes.0))
+        })
     }
     #[inline(always)]
     fn load(values: &[f32]) -> Self {
