@@ -40,9 +40,10 @@ impl Moments {
         let pivot = values[0];
         let shift = neumaier_sum(values.iter().map(|x| x - pivot)) / m;
         let mean = pivot + shift;
-        let (mut unit, mut powers) = (0.0, [0.0; 3]);
+        let (mut unit, mut powers) = (0.0, [CompensatedSums::default(); 3]);
         let (out_unit, sums) = (&mut unit, &mut powers);
         simd::run(Isa::detect(), PowerSums { values, pivot, shift, unit: out_unit, sums });
+        let powers = powers.map(CompensatedSums::total);
         Self::from_sums(values.len() as u64, mean, unit, powers)
     }
 
@@ -136,14 +137,14 @@ fn power_of_two_below(x: f64) -> f64 {
 /// Values that are summed side by side: none waits for the one before.
 const LANES: usize = 4;
 
-/// Compensated sums of the second, third and fourth powers of (x - pivot) - shift in units of a
-/// power of two near the largest.
+/// Compensated sums, lane by lane, of the second, third and fourth powers of (x - pivot) - shift in
+/// units of a power of two near the largest.
 struct PowerSums<'a> {
     values: &'a [f64],
     pivot: f64,
     shift: f64,
     unit: &'a mut f64,
-    sums: &'a mut [f64; 3],
+    sums: &'a mut [CompensatedSums; 3],
 }
 
 impl Loop for PowerSums<'_> {
@@ -151,40 +152,31 @@ impl Loop for PowerSums<'_> {
     fn run<const FMA: bool>(self) {
         let Self { values, pivot, shift, unit, sums } = self;
         let (blocks, rest) = values.as_chunks::<LANES>();
+        // What is missing of the last block counts as no deviation.
+        let mut last = [0.0; LANES];
+        last[..rest.len()].copy_from_slice(rest);
+        let is_there: [bool; LANES] = std::array::from_fn(|l| l < rest.len());
+        let deviation = |x: f64| (x - pivot) - shift;
         let mut largest = [0.0; LANES];
-        let larger = |largest: f64, x: f64| {
-            let size = ((x - pivot) - shift).abs();
-            if size > largest { size } else { largest }
-        };
         for block in blocks {
             for (largest, x) in largest.iter_mut().zip(block) {
-                *largest = larger(*largest, *x);
+                let size = deviation(*x).abs();
+                *largest = if size > *largest { size } else { *largest };
             }
         }
-        for (largest, x) in largest.iter_mut().zip(rest) {
-            *largest = larger(*largest, *x);
+        for l in 0..LANES {
+            let size = if is_there[l] { deviation(last[l]).abs() } else { 0.0 };
+            largest[l] = if size > largest[l] { size } else { largest[l] };
         }
         *unit = power_of_two_below(largest.into_iter().fold(0.0, f64::max));
         let factor = unit.recip();
         let mut powers = [CompensatedSums::default(); 3];
-        let deviation = |x: f64| ((x - pivot) - shift) * factor;
         for block in blocks {
-            add_powers(&mut powers, block.map(deviation));
+            add_powers(&mut powers, block.map(|x| deviation(x) * factor));
         }
-        // What is missing of the last block deviates by nothing.
-        let mut deviations = [0.0; LANES];
-        for (lane, x) in deviations.iter_mut().zip(rest) {
-            *lane = deviation(*x);
-        }
-        add_powers(&mut powers, deviations);
-        for (sum, powers) in sums.iter_mut().zip(powers) {
-            let mut total = CompensatedSum::default();
-            for (lane, lost) in powers.sums.into_iter().zip(powers.lost) {
-                total.add(lane);
-                total.lost += lost;
-            }
-            *sum = total.total();
-        }
+        let deviations = |l: usize| if is_there[l] { deviation(last[l]) * factor } else { 0.0 };
+        add_powers(&mut powers, std::array::from_fn(deviations));
+        *sums = powers;
     }
 }
 
@@ -218,6 +210,16 @@ impl CompensatedSums {
             one.add(values[l]);
             (sums[l], lost[l]) = (one.sum, one.lost);
         }
+    }
+
+    /// The sum of all lanes.
+    fn total(self) -> f64 {
+        let mut total = CompensatedSum::default();
+        for (lane, lost) in self.sums.into_iter().zip(self.lost) {
+            total.add(lane);
+            total.lost += lost;
+        }
+        total.total()
     }
 }
 
