@@ -4,6 +4,39 @@
 use super::Facet32;
 use super::vector::{CULL_SLACK, Extent, MAX_LANES, Vector};
 
+/// Writes the places of the bits that are set, of [`MAX_LANES`] from `first` on, and gives how many
+/// there are. `out` has as many places, of which any may be overwritten.
+#[inline(always)]
+pub(super) fn places(bits: u32, first: u32, out: &mut [u32]) -> usize {
+    let mut len = 0;
+    // Eight at once, without a branch: any of them may be set.
+    for (byte, at) in bits.to_le_bytes()[..MAX_LANES / 8].iter().zip((first..).step_by(8)) {
+        for (out, l) in out[len..len + 8].iter_mut().zip(PLACES[usize::from(*byte)]) {
+            *out = at + u32::from(l);
+        }
+        len += byte.count_ones() as usize;
+    }
+    len
+}
+
+/// The places of the bits that are set in a byte.
+static PLACES: [[u8; 8]; 256] = {
+    let mut places = [[0; 8]; 256];
+    let mut byte = 0;
+    while byte < 256 {
+        let (mut n, mut l) = (0, 0);
+        while l < 8 {
+            if byte >> l & 1 != 0 {
+                places[byte][n] = l;
+                n += 1;
+            }
+            l += 1;
+        }
+        byte += 1;
+    }
+    places
+};
+
 /// Edges and bounds of a few facets.
 #[derive(Debug, Clone)]
 pub(crate) struct Columns {
@@ -80,18 +113,27 @@ impl Columns {
     /// Overwrites `near` with the places of the facets that may touch a rectangle, in their order.
     #[inline(always)]
     pub(super) fn sieve<V: Vector>(columns: &[Self], rect: &Extent, near: &mut Vec<u32>) {
-        near.resize(columns.len() * MAX_LANES + 1, 0);
+        near.resize(columns.len() * MAX_LANES, 0);
         let (mut len, mut place) = (0, 0);
         for columns in columns {
-            let mut bits = columns.touching::<V>(rect);
-            // Without a branch: any of them may be near.
-            for _ in 0..MAX_LANES {
-                near[len] = place;
-                len += bits as usize & 1;
-                bits >>= 1;
-                place += 1;
-            }
+            len += places(columns.touching::<V>(rect), place, &mut near[len..]);
+            place += MAX_LANES as u32;
         }
         near.truncate(len);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::vector::Bits;
+    use super::*;
+
+    #[test]
+    fn places_are_those_of_the_bits() {
+        for bits in 0..1 << MAX_LANES {
+            let mut out = [0; MAX_LANES];
+            let n = places(bits, 7, &mut out);
+            assert!(out[..n].iter().copied().eq(Bits(bits).map(|l| 7 + l as u32)), "{bits:b}");
+        }
     }
 }

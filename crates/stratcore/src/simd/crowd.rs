@@ -5,14 +5,14 @@
 //! are not behind all that they see: the work follows what is visible, and most of the facets are
 //! in no list.
 
-use super::columns::Columns;
+use super::columns::{Columns, places};
 use super::draw::Group;
 use super::raster::Tile;
 use super::shader::Shader;
 use super::strata::Room;
-use super::types::{Exact, Record, Work};
+use super::types::{BLOCK_STRATA, Exact, Record, Work};
 use super::vector::{Bits, MAX_LANES, Vector};
-use super::visible::{Sample, Shadow, W_SLACK, meet_each};
+use super::visible::{Sample, Shadow, W_SLACK, farthest, meet_each};
 use super::{Pixel32, Strata};
 
 /// Facets of a tile from which on it counts as crowded.
@@ -34,10 +34,12 @@ pub(super) fn tile_sums<S: Shader, V: Vector>(
     let n_trials = groups.last().map_or(0, |group| group.n_trials);
     idle[n_trials..].fill(f32::INFINITY);
     let idle = V::load(&idle);
+    // Stratum times LEN plus the facet's place.
+    let mut pairs = [0; BLOCK_STRATA * Columns::LEN];
     while let Some(block) = tile.next_block::<V>(pixel, strata, work) {
         let Work { entries, occluders, near, records, shades, list_occluders, .. } = &mut *work;
         let list = &entries[tile.list()];
-        let Room { samples, horizons, .. } = &mut *room;
+        let samples = &mut room.samples;
         samples.clear();
         for stratum in 0..block.n_strata {
             let [i, j] = block.stratum(stratum);
@@ -50,8 +52,8 @@ pub(super) fn tile_sums<S: Shader, V: Vector>(
                 last.nearest = idle;
             }
         }
-        horizons.clear();
-        horizons.resize(block.n_strata, 0.0);
+        // 1/t behind which the samples of each stratum see nothing.
+        let mut horizons = [0.0; BLOCK_STRATA];
         let strips = block.strips::<V>();
         let mut open = u32::MAX >> (u32::BITS as usize - block.n_strata);
         for near in near.chunks(Columns::LEN) {
@@ -70,37 +72,36 @@ pub(super) fn tile_sums<S: Shader, V: Vector>(
             if S::SHADOWS {
                 for place in near {
                     let mut record = Record { strata: u32::MAX, ..Record::default() };
-                    strips.shadows(pixel, entry(place), occluders, &mut record, shades);
+                    strips.shade(pixel, entry(place), occluders, &mut record, shades);
                     records.push(record);
                 }
             }
+            // All pairs first: how many there are of a stratum is anybody's guess.
+            let (mut n_pairs, mut met) = (0, 0);
             for l in Bits(open) {
-                let before = columns.before::<V>(horizons[l]);
-                if before == 0 {
-                    open &= !(1 << l);
-                    continue;
-                }
+                let before = columns.before::<V>(horizons[l % BLOCK_STRATA]);
                 let bits = before & columns.touching::<V>(&block.extent(l));
-                if bits == 0 {
-                    continue;
+                open &= !(u32::from(before == 0) << l);
+                met |= u32::from(bits != 0) << l;
+                let first = (l * Columns::LEN) as u32;
+                n_pairs += places(bits, first, &mut pairs[n_pairs..]);
+            }
+            for pair in &pairs[..n_pairs] {
+                let (l, at) = (*pair as usize / Columns::LEN, *pair as usize % Columns::LEN);
+                let mut is_whole = false;
+                if S::SHADOWS {
+                    let shadow = records[at].shadow(l as u32, shades);
+                    is_whole = shadow.is_whole;
+                    list_occluders.clear();
+                    list_occluders.extend(shadow.occluders);
                 }
+                let shadow = Shadow { is_whole, occluders: list_occluders.iter().copied() };
                 let samples = &mut samples[l * groups.len()..(l + 1) * groups.len()];
-                for at in Bits(bits) {
-                    let mut is_whole = false;
-                    if S::SHADOWS {
-                        let shadow = records[at].shadow(l as u32, shades);
-                        is_whole = shadow.is_whole;
-                        list_occluders.clear();
-                        list_occluders.extend(shadow.occluders);
-                    }
-                    let shadow = Shadow { is_whole, occluders: list_occluders.iter().copied() };
-                    meet_each::<S, V>(samples, pixel, facets[at % Columns::LEN], &shadow);
-                }
-                let mut farthest = V::splat(f32::INFINITY);
-                for sample in samples {
-                    farthest = sample.nearest.min(farthest);
-                }
-                horizons[l] = farthest.least() - W_SLACK;
+                meet_each::<S, V>(samples, pixel, facets[at], &shadow);
+            }
+            for l in Bits(met) {
+                let samples = &samples[l * groups.len()..(l + 1) * groups.len()];
+                horizons[l % BLOCK_STRATA] = farthest(samples).least() - W_SLACK;
             }
         }
         let ids = near.iter().map(|place| list[*place as usize].facet);

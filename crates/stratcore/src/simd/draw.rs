@@ -32,11 +32,10 @@ struct Words<V: Vector> {
 
 /// Few trials in several strata at once, stratum after stratum.
 #[derive(Clone, Copy)]
-pub(super) struct Spread<V: Vector> {
-    words: Words<V>,
-    /// Each lane's stratum, counted from the first.
-    pub(super) strata: [u32; MAX_LANES],
-}
+pub(super) struct Spread<V: Vector>(Words<V>);
+
+/// Trials that are spread out, at most.
+pub(super) const MAX_SPREAD: usize = 2;
 
 impl<V: Vector> Group<V> {
     /// Overwrites `groups` with as many as it takes for `n_trials`, and gives the last of them
@@ -118,12 +117,12 @@ impl<V: Vector> Words<V> {
 }
 
 impl<V: Vector> Spread<V> {
-    /// None where the trials leave room for less than eight strata, which would gain nothing: one
-    /// or two trials remain.
+    /// None where they are more than [`MAX_SPREAD`], or leave room for less than eight strata,
+    /// which would gain nothing.
     #[inline(always)]
     fn new(words: [&[u32]; 2], n_trials: usize) -> Option<Self> {
         let n_strata = V::LANES / n_trials;
-        if n_strata < 8 {
+        if n_trials > MAX_SPREAD || n_strata < 8 {
             return None;
         }
         let mut strata = [0; MAX_LANES];
@@ -139,13 +138,13 @@ impl<V: Vector> Spread<V> {
         // The first step is linear: a later stratum's index adds to its result.
         let later = V::int_mul(V::int_load(&strata), V::int_splat(MULTIPLIER));
         words.yz = V::int_add(words.yz, later);
-        Some(Self { words, strata })
+        Some(Self(words))
     }
 
     /// One sample per lane, from the stratum `index` on: origins lane by lane.
     #[inline(always)]
     pub(super) fn sample(&self, index: u32, step: [f32; 2], origin: [V; 2]) -> [V; 2] {
-        self.words.sample(index, step, origin)
+        self.0.sample(index, step, origin)
     }
 }
 

@@ -7,7 +7,7 @@
 use super::columns::Columns;
 use super::dissect::{Fill, Piece};
 use super::strip::Strips;
-use super::types::{BLOCK_STRATA, Work};
+use super::types::{BLOCK_STRATA, Record, Work};
 use super::vector::{Bits, Extent, Vector};
 use super::{Entry, Pixel32, Rect, Strata};
 use std::ops::Range;
@@ -115,19 +115,26 @@ impl Tile {
         let Some(block) = self.next_block::<V>(pixel, strata, work) else { return false };
         let Work { entries, occluders, near, records, shades, .. } = &mut *work;
         let facets = &entries[self.list()];
-        records.clear();
         shades.clear();
         let mut strips = block.strips::<V>();
+        let mut n_records = 0;
         for &place in &*near {
             let entry = &facets[place as usize];
-            let facet = &pixel.facets[entry.facet as usize];
-            let Some(mut record) = strips.note(facet) else { break };
-            if record.strata == 0 {
-                continue;
+            // In place: records are large.
+            if n_records == records.len() {
+                records.push(Record::default());
             }
-            strips.shadows(pixel, entry, occluders, &mut record, shades);
-            records.push(record);
+            let record = &mut records[n_records];
+            if !strips.note(&pixel.facets[entry.facet as usize], record) {
+                break;
+            }
+            if record.strata != 0 {
+                record.facet = entry.facet;
+                strips.shade(pixel, entry, occluders, record, shades);
+                n_records += 1;
+            }
         }
+        records.truncate(n_records);
         for record in &mut *records {
             strips.close(record);
         }
@@ -209,19 +216,9 @@ impl Block {
     fn list(&self, mixed: u32, work: &mut Work) {
         let Work { records, shades, list, list_occluders, pieces, .. } = work;
         // A stratum's entries lie side by side, written from the last to the first.
-        let mut firsts = [0; BLOCK_STRATA];
-        for record in &*records {
-            for l in Bits(record.strata & mixed) {
-                firsts[l % BLOCK_STRATA] += 1;
-            }
-        }
-        let mut len = 0;
-        for first in &mut firsts {
-            len += *first;
-            *first = len;
-        }
-        let ends = firsts;
-        list.resize(list.len().max(len), Entry::default());
+        let ends = list_ends(records, mixed);
+        let mut firsts = ends;
+        list.resize(list.len().max(ends[BLOCK_STRATA - 1]), Entry::default());
         list_occluders.clear();
         let mut bounds = [0.0; BLOCK_STRATA];
         for record in records.iter().rev() {
@@ -244,8 +241,9 @@ impl Block {
         }
         for l in Bits(mixed) {
             let [i, j] = self.stratum(l);
-            let [first, end] = [firsts, ends].map(|at| at[l % BLOCK_STRATA] as u32);
-            pieces.push(Piece { i: [i, i + 1], j: [j, j + 1], fill: Fill::Mixed { first, end } });
+            let l = l % BLOCK_STRATA;
+            let fill = Fill::Mixed { first: firsts[l] as u32, end: ends[l] as u32 };
+            pieces.push(Piece { i: [i, i + 1], j: [j, j + 1], fill });
         }
     }
 
@@ -265,4 +263,25 @@ impl Block {
             strata &= !((u32::MAX >> (u32::BITS - len)) << l);
         }
     }
+}
+
+/// Where the lists of the strata may end, one after the other.
+#[inline(always)]
+fn list_ends(records: &[Record], mixed: u32) -> [usize; BLOCK_STRATA] {
+    let n = records.len();
+    if n < MANY {
+        // Room for all of them takes less time than counting.
+        return std::array::from_fn(|l| (l + 1) * n);
+    }
+    let mut ends = [0; BLOCK_STRATA];
+    for record in records {
+        for l in Bits(record.strata & mixed) {
+            ends[l % BLOCK_STRATA] += 1;
+        }
+    }
+    let mut end = 0;
+    ends.map(|n| {
+        end += n;
+        end
+    })
 }

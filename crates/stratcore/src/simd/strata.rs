@@ -5,7 +5,7 @@
 
 use super::crowd::{self, CROWD};
 use super::dissect::{self, Fill, Piece};
-use super::draw::{Group, Spread};
+use super::draw::{Group, MAX_SPREAD, Spread};
 use super::shader::{Shader, alone};
 use super::types::Exact;
 use super::vector::{MAX_LANES, Vector};
@@ -30,14 +30,13 @@ pub(super) struct Drawn<'a, V: Vector> {
 pub(super) struct Room<V: Vector> {
     /// Where a stratum's samples lie.
     pub places: Vec<[V; 2]>,
-    /// Those of a block of a crowd, a run for each stratum, and 1/t behind which they see nothing.
+    /// Those of a block of a crowd, a run for each stratum.
     pub samples: Vec<Sample<V>>,
-    pub horizons: Vec<f32>,
 }
 
 impl<V: Vector> Default for Room<V> {
     fn default() -> Self {
-        Self { places: Vec::new(), samples: Vec::new(), horizons: Vec::new() }
+        Self { places: Vec::new(), samples: Vec::new() }
     }
 }
 
@@ -123,7 +122,7 @@ fn fill_rect<S: Shader, V: Vector>(
         (Some(spread), Some((Group { sum, n_trials, .. }, others))) => {
             *sum = match n_trials {
                 1 => fill_spread::<S, V, 1>(filled, spread, *sum),
-                _ => fill_spread::<S, V, 2>(filled, spread, *sum),
+                _ => fill_spread::<S, V, MAX_SPREAD>(filled, spread, *sum),
             };
             others
         }
@@ -189,30 +188,21 @@ fn fill_spread<S: Shader, V: Vector, const T: usize>(
     let at_once = V::LANES / T;
     for start in (rect.i[0]..rect.i[1]).step_by(RUN) {
         let end = rect.i[1].min(start + RUN as u32);
-        // Lower ends of the strata, lane by lane; beyond the last nobody reads.
-        let mut origins = [V::splat(0.0); RUN];
-        for (i, origin) in (start..end).step_by(at_once).zip(&mut origins) {
-            let mut lanes = [0.0; MAX_LANES];
-            for (lane, stratum) in lanes.iter_mut().zip(spread.strata) {
-                *lane = strata.origin((i + stratum).min(end), rect.j[0])[0];
-            }
-            *origin = V::load(&lanes);
-        }
         for j in rect.j[0]..rect.j[1] {
-            let mut run = [0.0; T];
-            for (i, origin) in (start..end).step_by(at_once).zip(&origins) {
-                let origin = [*origin, V::splat(strata.origin(i, j)[1])];
-                let place = spread.sample(strata.index(i, j), strata.step, origin);
-                let values = alone::<S, V>(&pixel.ground, facet, place[0], place[1]).store();
-                let (values, _) = values.as_chunks::<T>();
-                for stratum in &values[..at_once.min((end - i) as usize)] {
-                    for (run, value) in run.iter_mut().zip(stratum) {
-                        *run += value;
-                    }
+            // Stratum after stratum; beyond the last nobody reads.
+            let mut values = [0.0; RUN * MAX_SPREAD];
+            for (i, values) in (start..end).step_by(at_once).zip(values.chunks_mut(V::LANES)) {
+                let origin = [strata.origins::<V, T>(i), V::splat(strata.origin(i, j)[1])];
+                let [s, t] = spread.sample(strata.index(i, j), strata.step, origin);
+                alone::<S, V>(&pixel.ground, facet, s, t).write(values);
+            }
+            // A vector from the start: numbers stored one by one are waited for when it is read.
+            let mut lanes = [0.0; MAX_LANES];
+            for stratum in &values.as_chunks::<T>().0[..(end - start) as usize] {
+                for (lane, value) in lanes.iter_mut().zip(stratum) {
+                    *lane += value;
                 }
             }
-            let mut lanes = [0.0; MAX_LANES];
-            lanes[..T].copy_from_slice(&run);
             sum = V::sum_add(sum, V::load(&lanes));
         }
     }

@@ -31,6 +31,7 @@ impl Spans<'_> {
 const MAX_STRIPS: usize = BLOCK_STRATA / 8;
 
 /// Up to LANES strata of one size.
+#[derive(Clone, Copy)]
 struct Strip<V: Vector> {
     /// The middles; lanes beyond the last repeat some.
     s: V,
@@ -118,32 +119,33 @@ impl<V: Vector> Strips<V> {
     /// Of `n_strata` with these middles, the last of which is repeated to the end.
     #[inline(always)]
     pub fn new([s, t]: &[[f32; BLOCK_STRATA]; 2], n_strata: usize, half: [f32; 2]) -> Self {
-        // Those that are not there repeat the last; nobody asks them.
         let n = n_strata.div_ceil(V::LANES);
-        let strip = |at: usize| {
-            let first = at.min(n - 1) * V::LANES;
-            Strip::new([&s[first..], &t[first..]], V::LANES.min(n_strata - first), half)
-        };
-        let strips = [strip(0), strip(1), strip(2), strip(3)];
+        // Those that are not there repeat the first; nobody asks them.
+        let mut strips = [Strip::new([s, t], V::LANES.min(n_strata), half); MAX_STRIPS];
+        for (at, strip) in strips.iter_mut().enumerate().take(n).skip(1) {
+            let first = at * V::LANES;
+            *strip = Strip::new([&s[first..], &t[first..]], V::LANES.min(n_strata - first), half);
+        }
         Self { strips, n, half, horizons: [V::splat(0.0); MAX_STRIPS] }
     }
 
-    /// Where a facet may be seen, before what was noted until now; None: it is behind all of it,
-    /// and so are those that come no nearer.
+    /// Overwrites a record with where a facet may be seen, before what was noted until now; false:
+    /// it is behind all of it, and so are those that come no nearer.
     #[inline(always)]
-    pub fn note(&mut self, facet: &Facet32) -> Option<Record> {
+    pub fn note(&mut self, facet: &Facet32, record: &mut Record) -> bool {
         let slack = [CULL_SLACK, CULL_SLACK, CULL_SLACK, 3.0 * facet.w_slack];
         let functions = &facet.lanes;
         let spans = Spans { functions, ends: V::ends(functions, self.half, slack) };
-        let mut record = Record::default();
+        record.strata = 0;
+        record.inside = [0; 3];
         let mut is_hidden = true;
         for at in 0..self.n {
             let horizon = &mut self.horizons[at];
             let hides = horizon.gt(V::splat(facet.w_hi));
             is_hidden &= V::mask_bits(hides) == V::mask_bits(V::mask_all());
-            self.strips[at].note(facet, &spans, horizon, at * V::LANES, &mut record);
+            self.strips[at].note(facet, &spans, horizon, at * V::LANES, record);
         }
-        (!is_hidden).then_some(record)
+        !is_hidden
     }
 
     /// Takes from a record what was noted since to hide it.
@@ -157,10 +159,10 @@ impl<V: Vector> Strips<V> {
         record.strata &= open;
     }
 
-    /// Says in a record which facet it is of and in which strata it is wholly in shadow, and
-    /// appends those occluders that may shadow a part of some.
+    /// Says in the record of a facet in which strata it is wholly in shadow, and appends those
+    /// occluders that may shadow a part of some.
     #[inline(always)]
-    pub fn shadows(
+    pub fn shade(
         &self,
         pixel: &Pixel32,
         entry: &Entry,
@@ -168,7 +170,6 @@ impl<V: Vector> Strips<V> {
         record: &mut Record,
         shades: &mut Vec<Shade>,
     ) {
-        record.facet = entry.facet;
         record.shadowed = if entry.shadowed { u32::MAX } else { 0 };
         let first = shades.len();
         let [start, end] = entry.occluders.map(|at| at as usize);

@@ -2,9 +2,10 @@
 
 use super::columns::Columns;
 use super::dissect::Piece;
+use super::draw::MAX_SPREAD;
 use super::raster::Tile;
 use super::shader::Shader;
-use super::vector::Extent;
+use super::vector::{Extent, MAX_LANES, Vector};
 use super::visible::{Candidate, Shadow};
 use std::ops::Range;
 
@@ -164,6 +165,8 @@ pub(crate) struct Strata {
     pub(super) step: [f32; 2],
     /// Lower ends of the strata along each axis, about the pixel's centre; one more at the end.
     bounds: [Vec<f32>; 2],
+    /// The bounds along s, once each and twice each, with room for a vector to be read anywhere.
+    repeated: [Vec<f32>; MAX_SPREAD],
 }
 
 impl Strata {
@@ -181,6 +184,13 @@ impl Strata {
             bounds.clear();
             bounds.extend((0..=k).map(|i| (f64::from(i) / f64::from(k) - 0.5) as f32));
         }
+        for (repeated, times) in self.repeated.iter_mut().zip(1..) {
+            repeated.clear();
+            for &bound in &self.bounds[0] {
+                repeated.resize(repeated.len() + times, bound);
+            }
+            repeated.resize(repeated.len() + MAX_LANES, 0.5);
+        }
     }
 
     #[inline(always)]
@@ -191,6 +201,12 @@ impl Strata {
     #[inline(always)]
     pub(super) fn origin(&self, i: u32, j: u32) -> [f32; 2] {
         [self.bounds[0][i as usize], self.bounds[1][j as usize]]
+    }
+
+    /// Lower ends along s of the strata from i on, each T times; beyond the last they mean nothing.
+    #[inline(always)]
+    pub(super) fn origins<V: Vector, const T: usize>(&self, i: u32) -> V {
+        V::load(&self.repeated[T - 1][i as usize * T..])
     }
 
     /// The middle of a stratum.

@@ -65,13 +65,13 @@ fn meet<S: Shader, V: Vector, const K: usize>(
     let mut clearances = [V::splat(0.0); K];
     for ((w, clearance), sample) in depths.iter_mut().zip(&mut clearances).zip(&*samples) {
         *w = at(inverse_depth, sample.s, sample.t);
-        if facet.is_steep {
+        *clearance = w.sub(sample.nearest);
+    }
+    if facet.is_steep {
+        for ((w, clearance), sample) in depths.iter_mut().zip(&mut clearances).zip(&*samples) {
             // Where coefficients leave the range of f32 it is no number, which this makes one.
             *w = w.min(V::splat(facet.w_hi));
-        }
-        *clearance = w.sub(sample.nearest);
-        if facet.is_steep {
-            *clearance = clearance.min(V::splat(0.5 * DOUBT));
+            *clearance = w.sub(sample.nearest).min(V::splat(0.5 * DOUBT));
         }
     }
     for which in 0..3 {
@@ -124,6 +124,16 @@ pub(super) fn meet_each<S: Shader, V: Vector>(
     }
 }
 
+/// 1/t of the farthest that several vectors of samples see, lane by lane.
+#[inline(always)]
+pub(super) fn farthest<V: Vector>(samples: &[Sample<V>]) -> V {
+    let mut farthest = V::splat(f32::INFINITY);
+    for sample in samples {
+        farthest = sample.nearest.min(farthest);
+    }
+    farthest
+}
+
 impl<V: Vector> Sample<V> {
     /// Samples that see the background.
     #[inline(always)]
@@ -169,12 +179,9 @@ pub(super) fn visible<S: Shader, V: Vector, const K: usize>(
     }
     for (at, candidate) in list.clone().enumerate() {
         if at >= FEW {
-            let mut farthest = samples[0].nearest;
-            for sample in &samples[1..] {
-                farthest = sample.nearest.min(farthest);
-            }
             // No later one is nearer.
-            if V::mask_bits(V::splat(candidate.w_hi + W_SLACK).ge(farthest)) == 0 {
+            let bound = V::splat(candidate.w_hi + W_SLACK);
+            if V::mask_bits(bound.ge(farthest(&samples))) == 0 {
                 break;
             }
         }
