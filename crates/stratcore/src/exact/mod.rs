@@ -309,7 +309,7 @@ impl<const D: usize> Tables<D> {
                 let along = along.map(|at| &self.axes[at]);
                 let walked = walker
                     .as_mut()
-                    .map_or(0.0, |walker| walker.squared_means(&steps, &base, along[0], along[1]));
+                    .map_or(0.0, |walker| walker.squared_means(&steps, &base, along));
                 let n = along[0].strata() as f64 * along[1].strata() as f64;
                 within(along, walked) / (n * n)
             })

@@ -91,9 +91,9 @@ impl Polygon {
             let value = function.at(s, t);
             if value.abs() <= ON_LINE { 0.0 } else { value }
         };
-        let (mut inside, mut outside) = (Self::EMPTY, Self::EMPTY);
         let corners = self.corners();
         let Some(&last) = corners.last() else { return Split { inside: None, outside: None } };
+        let (mut inside, mut outside) = (Self::EMPTY, Self::EMPTY);
         let (mut from, mut from_value) = (last, value(last));
         for &to in corners {
             let to_value = value(to);
@@ -117,9 +117,19 @@ impl Polygon {
         Split { inside: with_area(inside), outside: with_area(outside) }
     }
 
+    /// Whether a function is nowhere negative: a split would leave nothing outside.
+    fn is_inside(&self, function: &Affine) -> bool {
+        self.range(function)[0] >= -ON_LINE
+    }
+
     /// The part where no function is negative.
-    pub fn clipped(self, functions: &[Affine]) -> Option<Self> {
-        functions.iter().try_fold(self, |part, function| part.split(function).inside)
+    pub fn clipped(mut self, functions: &[Affine]) -> Option<Self> {
+        for function in functions {
+            if !self.is_inside(function) {
+                self = self.split(function).inside?;
+            }
+        }
+        Some(self)
     }
 
     /// Takes the convex region where no function is negative out of the polygon: appends what
@@ -132,6 +142,9 @@ impl Polygon {
         let kept = rest.len();
         let mut part = *self;
         for function in region {
+            if part.is_inside(function) {
+                continue;
+            }
             let Split { inside, outside } = part.split(function);
             let Some(inside) = inside else {
                 rest.truncate(kept);

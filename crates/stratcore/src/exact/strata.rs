@@ -5,6 +5,8 @@ use super::polynomial::Polynomial;
 /// Sums over the k strata of [-1/2, 1/2], for each two powers of the coordinate below D.
 #[derive(Debug, Clone)]
 pub(super) struct Axis<const D: usize> {
+    /// Where the strata end, from the first one's lower end on.
+    lines: Vec<f64>,
     /// Mean of each power within each stratum.
     powers: Vec<[f64; D]>,
     /// Σ (mean of xᵃ)(mean of xᵇ)
@@ -16,6 +18,7 @@ pub(super) struct Axis<const D: usize> {
 impl<const D: usize> Axis<D> {
     pub fn new(strata: u64) -> Self {
         let mut axis = Self {
+            lines: (0..=strata).map(|i| i as f64 / strata as f64 - 0.5).collect(),
             powers: Vec::with_capacity(strata as usize),
             means: [[0.0; D]; D],
             within: [[0.0; D]; D],
@@ -48,6 +51,12 @@ impl<const D: usize> Axis<D> {
 
     pub fn strata(&self) -> u64 {
         self.powers.len() as u64
+    }
+
+    /// The lower end of stratum `i`, or the upper one of that before.
+    #[inline(always)]
+    pub fn line(&self, i: u64) -> f64 {
+        self.lines[i as usize]
     }
 
     /// The mean of each power of the coordinate in stratum `i`.

@@ -199,9 +199,18 @@ impl Regions {
         let area_of = |parts: &[Polygon]| parts.iter().map(Polygon::area).sum::<f64>();
         let visible = area_of(&work.parts);
         let lit = self.labels.len();
-        self.patches.push(Patch { polygon: outline.polygon, from: 0, to: lit });
-        let hidden = work.taken.drain(..).map(|polygon| Patch { polygon, from: lit, to: 0 });
-        self.patches.extend(hidden);
+        // All of it and what is hidden taken off again, or what is left: whatever has fewer sides.
+        let sides_of = |parts: &[Polygon]| parts.iter().map(|part| part.corners().len()).sum();
+        let [left, hidden]: [usize; 2] = [sides_of(&work.parts), sides_of(&work.taken)];
+        let painted = |polygon| Patch { polygon, from: 0, to: lit };
+        if left < outline.polygon.corners().len() + hidden {
+            self.patches.extend(work.parts.iter().copied().map(painted));
+            work.taken.clear();
+        } else {
+            self.patches.push(painted(outline.polygon));
+            let hidden = work.taken.drain(..).map(|polygon| Patch { polygon, from: lit, to: 0 });
+            self.patches.extend(hidden);
+        }
         let label = |lit| Label::Facet { index, lit };
         let bounds = outline.bounds;
         self.labels.push(Seen { label: label(true), area: visible, bounds });
