@@ -188,14 +188,24 @@ fn list_length(scene: &TracedScene, pixel: [u32; 2]) -> Option<usize> {
     Some(beam.n_facets())
 }
 
-/// Time of a row, threads started: the processor's.
+/// Time of a row, threads started: the processor's. That goes in steps, so short rows are
+/// measured several times over.
 fn time(row: &Row, plan: &StudyPlan) -> Result<Duration> {
+    const ENOUGH: Duration = Duration::from_millis(400);
     let Row { scene, pixels, threads, .. } = *row;
+    let integrand = |pixel| scene.pixel(pixel, Channel::Luminance);
     with_threads(Some(threads), || {
         let start = Clock::start(threads == 1);
-        let integrand = |pixel| scene.pixel(pixel, Channel::Luminance);
-        study_pixels(&integrand, pixels.iter().copied(), plan, Control::unwatched(), &mut |_| ())?;
-        Ok(start.elapsed())
+        let mut passes = 0;
+        loop {
+            let pixels = pixels.iter().copied();
+            study_pixels(&integrand, pixels, plan, Control::unwatched(), &mut |_| ())?;
+            passes += 1;
+            let elapsed = start.elapsed();
+            if elapsed >= ENOUGH || row.pixels.is_empty() {
+                return Ok(elapsed / passes);
+            }
+        }
     })
 }
 
