@@ -15,7 +15,7 @@ use super::vector::{Bits, MAX_LANES, Vector};
 use super::visible::{Sample, Shadow, W_SLACK, farthest, meet_each};
 use super::{Pixel32, Strata};
 
-/// Facets of a tile from which on it counts as crowded.
+/// Facets of a tile from which on it counts as crowded, if it has no more than two strata for each.
 pub(super) const CROWD: usize = 64;
 
 /// Adds to each trial's sum the values of its samples in all strata of a tile.

@@ -8,6 +8,10 @@ use super::{Entry, Pixel32, Rect, Strata, Work};
 /// Strata of a rectangle along each axis, at most: its samples take milliseconds.
 const LARGEST: u32 = 64;
 
+/// Strata for each of its facets up to which a tile counts as crowded: where they are more, few
+/// facets are in each, and lists are short.
+const STRATA_A_FACET: usize = 2;
+
 /// A rectangle of strata and what fills it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Piece {
@@ -37,7 +41,7 @@ impl Fill {
 }
 
 /// Begins to cut the pixel into rectangles of strata; [`next_pieces`] shows them. Tiles of
-/// `crowd` facets or more are not cut any further.
+/// `crowd` facets or more are not cut any further, unless their strata are many more.
 pub(super) fn start(pixel: &Pixel32, strata: &Strata, crowd: usize, work: &mut Work) {
     work.crowd = crowd;
     let Work { entries, occluders, stack, tile, crowded, .. } = work;
@@ -102,7 +106,8 @@ pub(super) fn next_pieces<V: Vector>(pixel: &Pixel32, strata: &Strata, work: &mu
         if is_tile {
             let list = [first, entries.len()];
             let tile = Tile::new(pixel, strata, &rect, list, work);
-            if list[1] - list[0] >= work.crowd {
+            let n_facets = list[1] - list[0];
+            if n_facets >= work.crowd && n_facets * STRATA_A_FACET >= rect.n_strata() {
                 work.crowded = Some(tile);
                 return true;
             }

@@ -143,6 +143,11 @@ pub(crate) struct Rect {
 }
 
 impl Rect {
+    #[inline(always)]
+    pub(super) fn n_strata(&self) -> usize {
+        (self.i[1] - self.i[0]) as usize * (self.j[1] - self.j[0]) as usize
+    }
+
     /// Halves across the longer side.
     #[inline(always)]
     pub(super) fn halves(&self) -> [Self; 2] {
