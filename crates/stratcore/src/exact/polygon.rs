@@ -91,9 +91,9 @@ impl Polygon {
             let value = function.at(s, t);
             if value.abs() <= ON_LINE { 0.0 } else { value }
         };
+        let (mut inside, mut outside) = (Self::EMPTY, Self::EMPTY);
         let corners = self.corners();
         let Some(&last) = corners.last() else { return Split { inside: None, outside: None } };
-        let (mut inside, mut outside) = (Self::EMPTY, Self::EMPTY);
         let (mut from, mut from_value) = (last, value(last));
         for &to in corners {
             let to_value = value(to);
@@ -119,7 +119,7 @@ impl Polygon {
 
     /// Whether a function is nowhere negative: a split would leave nothing outside.
     fn is_inside(&self, function: &Affine) -> bool {
-        self.range(function)[0] >= -ON_LINE
+        self.corners().iter().all(|[s, t]| function.at(*s, *t) >= -ON_LINE)
     }
 
     /// The part where no function is negative.
