@@ -29,11 +29,16 @@ use crate::sampler::strata_per_axis;
 use polygon::Polygon;
 use polynomial::{Fitter, Polynomial};
 use serde::{Serialize, Serializer};
+use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::sync::OnceLock;
-use strata::{Axis, variance_within};
-use visible::{Label, Regions};
-use walk::{Step, Walker};
+use strata::{Axis, VarianceWithin, products};
+use visible::{Label, Regions, Room, Seen};
+use walk::{Side, Walker};
+
+thread_local! {
+    static ROOM: RefCell<Room> = RefCell::default();
+}
 
 /// How far a variance may be off, as a share of itself, unless the caller says otherwise.
 pub const TOLERANCE: f64 = 1e-5;
@@ -114,7 +119,7 @@ impl Serialize for Unresolved {
 pub struct Grids {
     counts: Vec<u64>,
     /// Strata along the two axes, for each count.
-    strata: Vec<[u64; 2]>,
+    strata: Vec<[usize; 2]>,
     constant: Tables<1>,
     quadratic: OnceLock<Tables<3>>,
     quartic: OnceLock<Tables<5>>,
@@ -143,7 +148,7 @@ impl Grids {
             if along[0] > Self::MAX_PER_AXIS {
                 return Err(Unresolved::TooManyStrata { n });
             }
-            strata.push([along[0], along[1]]);
+            strata.push([along[0] as usize, along[1] as usize]);
         }
         Ok(Self {
             counts: counts.to_vec(),
@@ -165,24 +170,9 @@ impl Grids {
     /// # Errors
     /// Any [`Unresolved`] but `TooManyStrata`, `Rays` and `Sampler`.
     pub fn curve(&self, beam: &PixelBeam, tolerance: f64) -> Result<ExactCurve, Unresolved> {
-        let regions = visible::resolve(beam)?;
-        let seen = |test: fn(&PixelBeam, Label) -> bool| {
-            regions.labels.iter().all(|seen| seen.area == 0.0 || test(beam, seen.label))
-        };
-        let curve = if seen(is_constant) {
-            self.constant.curve(beam, &regions)
-        } else {
-            let strata = &self.strata;
-            let mut curve =
-                self.quadratic.get_or_init(|| Tables::new(strata)).curve(beam, &regions);
-            if curve.error > tolerance {
-                curve = self.quartic.get_or_init(|| Tables::new(strata)).curve(beam, &regions);
-            }
-            if curve.error > tolerance {
-                curve = self.octic.get_or_init(|| Tables::new(strata)).curve(beam, &regions);
-            }
-            curve
-        };
+        let curve = ROOM.with_borrow_mut(|room| {
+            visible::resolve(beam, room).map(|regions| self.of_regions(beam, regions, tolerance))
+        })?;
         let finite = |x: &f64| x.is_finite();
         if ![curve.mean, curve.variance].iter().chain(&curve.jittered).all(finite) {
             return Err(Unresolved::NotFinite);
@@ -192,6 +182,24 @@ impl Grids {
         } else {
             Err(Unresolved::Imprecise { error: curve.error, tolerance })
         }
+    }
+
+    /// By polynomials of the least degree that is within the tolerance, or the greatest.
+    fn of_regions(&self, beam: &PixelBeam, regions: &Regions, tolerance: f64) -> ExactCurve {
+        let is_seen = |seen: &&Seen| seen.area != 0.0;
+        if regions.labels.iter().filter(is_seen).all(|seen| is_constant(beam, seen.label)) {
+            return self.constant.curve(beam, regions);
+        }
+        let strata = &self.strata;
+        let curve = self.quadratic.get_or_init(|| Tables::new(strata)).curve(beam, regions);
+        if curve.error <= tolerance {
+            return curve;
+        }
+        let curve = self.quartic.get_or_init(|| Tables::new(strata)).curve(beam, regions);
+        if curve.error <= tolerance {
+            return curve;
+        }
+        self.octic.get_or_init(|| Tables::new(strata)).curve(beam, regions)
     }
 }
 
@@ -215,22 +223,33 @@ struct Tables<const D: usize> {
     fitter: Fitter<D>,
     /// One for each number of strata along an axis; that of one stratum comes first.
     axes: Vec<Axis<D>>,
+    /// Of the pixel as one stratum.
+    whole: VarianceWithin,
     /// The two axes of each grid, by their places in `axes`.
-    grids: Vec<[usize; 2]>,
+    grids: Vec<([usize; 2], VarianceWithin)>,
+    /// Columns and rows of the largest of them.
+    largest: [usize; 2],
 }
 
 impl<const D: usize> Tables<D> {
-    fn new(strata: &[[u64; 2]]) -> Self {
-        let numbers: BTreeSet<u64> = strata.iter().flatten().copied().chain([1]).collect();
-        let place = |k: &u64| numbers.range(..k).count();
-        let grids = strata.iter().map(|along| along.each_ref().map(place)).collect();
-        let axes = numbers.iter().map(|k| Axis::new(*k)).collect();
-        Self { fitter: Fitter::new(), axes, grids }
+    fn new(strata: &[[usize; 2]]) -> Self {
+        let numbers: BTreeSet<usize> = strata.iter().flatten().copied().chain([1]).collect();
+        let axes: Vec<_> = numbers.iter().map(|k| Axis::new(*k)).collect();
+        let within = |[k, l]: [usize; 2]| VarianceWithin::new(&axes[k], &axes[l]);
+        let place = |k: &usize| numbers.range(..k).count();
+        let grids = strata.iter().map(|along| {
+            let along = along.each_ref().map(place);
+            (along, within(along))
+        });
+        let largest = [0, 1].map(|axis| strata.iter().map(|along| along[axis]).max().unwrap_or(1));
+        Self { fitter: Fitter::new(), grids: grids.collect(), whole: within([0; 2]), largest, axes }
     }
 
     fn curve(&self, beam: &PixelBeam, regions: &Regions) -> ExactCurve {
-        /// Rounding of a sum, as a share of its terms; and what is nothing but rounding.
-        const ROUNDING: f64 = 4e-15;
+        /// Rounding of a sum, as a share of its terms: of any, and for each stratum along an
+        /// axis, where pieces of a side are differences of integrals along all of it.
+        const ROUNDING: [f64; 2] = [4e-15, 2e-17];
+        /// What is nothing but rounding.
         const NOTHING: f64 = 1e-13;
         let fits: Vec<_> = regions
             .labels
@@ -250,15 +269,15 @@ impl<const D: usize> Tables<D> {
             .map(|(a, b)| base.0[a][b] * one[a] * one[b])
             .sum::<f64>();
         base.0[0][0] -= middle;
-        let steps: Vec<_> = regions
-            .patches
-            .iter()
-            .map(|patch| Step {
-                polygon: patch.polygon,
-                change: fits[patch.to].0.minus(&fits[patch.from].0),
-            })
-            .filter(|step| step.change != Polynomial::ZERO)
-            .collect();
+        let mut sides = Vec::new();
+        let mut patches = 0;
+        for patch in &regions.patches {
+            let change = fits[patch.to].0.minus(&fits[patch.from].0);
+            if change != Polynomial::ZERO {
+                patches += 1;
+                sides.extend(Side::of(&patch.polygon, &change));
+            }
+        }
         let (mut change, mut squares, mut size) = (0.0, 0.0, 0.0f64);
         for patch in &regions.patches {
             let mut to = fits[patch.to].0;
@@ -276,14 +295,15 @@ impl<const D: usize> Tables<D> {
         // Least squares of what the polynomials leave out.
         let left_out: f64 =
             regions.labels.iter().zip(&fits).map(|(seen, fit)| seen.area * fit.1 * fit.1).sum();
+        let products = products(&base);
         let mut error = 0.0f64;
-        let mut within = |along: [&Axis<D>; 2], walked: f64| {
-            let [k, l] = along.map(Axis::strata);
+        let mut within = |[k, l]: [usize; 2], form: &VarianceWithin, walked: f64| {
             let n = k as f64 * l as f64;
             let terms = n * size + walked.abs();
-            let sum = variance_within(&base, along[0], along[1]) + (n * squares - walked);
+            let rounding = ROUNDING[0] + ROUNDING[1] * k.max(l) as f64;
+            let sum = form.of(&products) + (n * squares - walked);
             // Constants that fit the grid leave nothing.
-            if D == 1 && sum <= NOTHING * terms {
+            if D == 1 && sum <= NOTHING.max(2.0 * rounding) * terms {
                 return 0.0;
             }
             // What is left out is at most about a Legendre polynomial of degree D, whose slope
@@ -291,31 +311,30 @@ impl<const D: usize> Tables<D> {
             let slope = (D * (D + 1)) as f64 / 12f64.sqrt() / k.min(l) as f64;
             let left_out = n * left_out * slope.powi(2).min(1.0);
             let relative = if sum > 0.0 {
-                2.0 * (left_out / sum).sqrt() + ROUNDING * terms / sum
+                2.0 * (left_out / sum).sqrt() + rounding * terms / sum
             } else {
                 f64::INFINITY
             };
             error = error.max(relative);
             sum
         };
-        let variance = within([&self.axes[0]; 2], change * change);
-        let largest = self.grids.iter().map(|along| along.map(|at| self.axes[at].strata()));
-        let largest = largest.map(|[k, l]| k * l).max().unwrap_or(0);
-        let mut walker = (!steps.is_empty()).then(|| Walker::new(&self.fitter.side_rule, largest));
+        let variance = within([1, 1], &self.whole, change * change);
+        let mut walker = (!sides.is_empty()).then(|| Walker::new(self.largest));
         let jittered = self
             .grids
             .iter()
-            .map(|along| {
+            .map(|(along, form)| {
                 let along = along.map(|at| &self.axes[at]);
                 let walked = walker
                     .as_mut()
-                    .map_or(0.0, |walker| walker.squared_means(&steps, &base, along));
-                let n = along[0].strata() as f64 * along[1].strata() as f64;
-                within(along, walked) / (n * n)
+                    .map_or(0.0, |walker| walker.squared_means(&sides, &base, along));
+                let along = along.map(Axis::strata);
+                let n = along[0] as f64 * along[1] as f64;
+                within(along, form, walked) / (n * n)
             })
             .collect();
         let mean = beam.ground() + (middle + change);
-        ExactCurve { mean, variance, jittered, error, patches: steps.len() }
+        ExactCurve { mean, variance, jittered, error, patches }
     }
 
     /// Radiance of a label relative to the beam's ground value, and how far it is off.

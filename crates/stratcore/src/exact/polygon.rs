@@ -28,13 +28,16 @@ pub(super) struct Split {
 impl Polygon {
     const EMPTY: Self = Self { len: 0, corners: [[0.0; 2]; MAX_CORNERS] };
 
+    /// The polygon of these corners.
+    pub fn of(corners: &[[f64; 2]]) -> Self {
+        let mut polygon = Self::EMPTY;
+        corners.iter().for_each(|corner| polygon.push(*corner));
+        polygon
+    }
+
     /// The whole pixel.
     pub fn pixel() -> Self {
-        let mut square = Self::EMPTY;
-        for corner in [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]] {
-            square.push(corner);
-        }
-        square
+        Self::of(&[[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
     }
 
     pub fn corners(&self) -> &[[f64; 2]] {
@@ -132,12 +135,17 @@ impl Polygon {
         Some(self)
     }
 
+    /// Whether some function is nowhere positive: they do not overlap.
+    pub fn misses(&self, region: &[Affine]) -> bool {
+        region.iter().any(|function| self.range(function)[1] <= ON_LINE)
+    }
+
     /// Takes the convex region where no function is negative out of the polygon: appends what
-    /// is left to `rest` and gives what was taken, or none where they do not overlap.
-    pub fn subtract(&self, region: &[Affine], rest: &mut Vec<Self>) -> Option<Self> {
-        if region.iter().any(|function| self.range(function)[1] <= ON_LINE) {
+    /// is left to `rest`, and what was taken, if they overlap, to `taken`.
+    pub fn subtract(&self, region: &[Affine], rest: &mut Vec<Self>, taken: &mut Vec<Self>) {
+        if self.misses(region) {
             rest.push(*self);
-            return None;
+            return;
         }
         let kept = rest.len();
         let mut part = *self;
@@ -149,12 +157,12 @@ impl Polygon {
             let Some(inside) = inside else {
                 rest.truncate(kept);
                 rest.push(*self);
-                return None;
+                return;
             };
             rest.extend(outside);
             part = inside;
         }
-        Some(part)
+        taken.push(part);
     }
 
     fn push(&mut self, corner: [f64; 2]) {
@@ -187,8 +195,9 @@ mod tests {
     #[test]
     fn subtraction_gives_disjoint_parts_of_the_whole() {
         let triangle = [line(0.2, 1.0, 0.0), line(0.2, 0.0, 1.0), line(0.1, -1.0, -1.0)];
-        let mut rest = Vec::new();
-        let taken = Polygon::pixel().subtract(&triangle, &mut rest).unwrap();
+        let (mut rest, mut taken) = (Vec::new(), Vec::new());
+        Polygon::pixel().subtract(&triangle, &mut rest, &mut taken);
+        let [taken] = taken[..] else { panic!("{} parts", taken.len()) };
         let area: f64 = rest.iter().map(Polygon::area).sum();
         assert!((taken.area() - 0.125).abs() < 1e-15, "{}", taken.area());
         assert!((area + taken.area() - 1.0).abs() < 1e-15);
@@ -197,7 +206,9 @@ mod tests {
         rest.clear();
         // Beside the pixel; and a region without inside, which no side of the pixel rejects.
         for region in [[line(-0.6, 1.0, 0.0); 2], [line(-0.2, 1.0, 0.0), line(0.1, -1.0, 0.0)]] {
-            assert!(Polygon::pixel().subtract(&region, &mut rest).is_none());
+            let mut taken = Vec::new();
+            Polygon::pixel().subtract(&region, &mut rest, &mut taken);
+            assert!(taken.is_empty());
         }
         assert!(rest.iter().all(|part| part.area() == 1.0) && rest.len() == 2);
     }

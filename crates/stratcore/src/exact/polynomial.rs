@@ -53,8 +53,6 @@ pub(super) fn horner<const D: usize>(c: &[f64; D], x: f64) -> f64 {
 pub(super) struct Fitter<const D: usize> {
     /// The Gauss rule of D nodes on [0, 1].
     pub rule: [(f64, f64); D],
-    /// The one of D/2 + 1 nodes, exact for degree D.
-    pub side_rule: Vec<(f64, f64)>,
     /// (2n + 1) × weight × Pₙ at each node.
     project: [[f64; D]; D],
 }
@@ -68,7 +66,7 @@ impl<const D: usize> Fitter<D> {
                 (2 * n + 1) as f64 * weight * horner(&legendre::<D>(0.5, 2.0)[n], node - 0.5)
             })
         });
-        Self { rule, side_rule: gauss_legendre(D / 2 + 1), project }
+        Self { rule, project }
     }
 
     /// The polynomial next to `f` on a box of the pixel, and how far it is off: the largest

@@ -1,14 +1,16 @@
 //! What a grid of strata makes of a polynomial.
 
 use super::polynomial::Polynomial;
+use super::walk::LANES;
 
 /// Sums over the k strata of [-1/2, 1/2], for each two powers of the coordinate below D.
 #[derive(Debug, Clone)]
 pub(super) struct Axis<const D: usize> {
-    /// Where the strata end, from the first one's lower end on.
+    strata: usize,
+    /// Where the strata end, from the first one's lower end on; then room for a vector.
     lines: Vec<f64>,
-    /// Mean of each power within each stratum.
-    powers: Vec<[f64; D]>,
+    /// Mean of each power within each stratum, so many strata side by side.
+    powers: Vec<[[f64; LANES]; D]>,
     /// Σ (mean of xᵃ)(mean of xᵇ)
     means: [[f64; D]; D],
     /// Σ covariance of xᵃ and xᵇ within the stratum
@@ -16,24 +18,27 @@ pub(super) struct Axis<const D: usize> {
 }
 
 impl<const D: usize> Axis<D> {
-    pub fn new(strata: u64) -> Self {
+    pub fn new(strata: usize) -> Self {
+        let k = strata as f64;
+        let line = |i: usize| i as f64 / k - 0.5;
         let mut axis = Self {
-            lines: (0..=strata).map(|i| i as f64 / strata as f64 - 0.5).collect(),
-            powers: Vec::with_capacity(strata as usize),
+            strata,
+            lines: (0..=strata + LANES).map(line).collect(),
+            powers: vec![[[0.0; LANES]; D]; strata.div_ceil(LANES)],
             means: [[0.0; D]; D],
             within: [[0.0; D]; D],
         };
         // Mean of the n-th power of the offset from a stratum's centre.
         let moment = |n: usize| match n % 2 {
-            0 => (0.5 / strata as f64).powi(n as i32) / (n + 1) as f64,
+            0 => (0.5 / k).powi(n as i32) / (n + 1) as f64,
             _ => 0.0,
         };
         for i in 0..strata {
-            let terms = about::<D>((i as f64 + 0.5) / strata as f64 - 0.5);
+            let terms = about::<D>((i as f64 + 0.5) / k - 0.5);
             let mean: [f64; D] =
                 std::array::from_fn(|a| (0..D).map(|l| terms[a][l] * moment(l)).sum());
-            axis.powers.push(mean);
             for a in 0..D {
+                axis.powers[i / LANES][a][i % LANES] = mean[a];
                 for b in 0..D {
                     axis.means[a][b] += mean[a] * mean[b];
                     // Sums of products of small offsets: nothing large cancels.
@@ -49,19 +54,24 @@ impl<const D: usize> Axis<D> {
         axis
     }
 
-    pub fn strata(&self) -> u64 {
-        self.powers.len() as u64
+    pub fn strata(&self) -> usize {
+        self.strata
     }
 
-    /// The lower end of stratum `i`, or the upper one of that before.
-    #[inline(always)]
-    pub fn line(&self, i: u64) -> f64 {
-        self.lines[i as usize]
+    /// The lower end of each stratum, the upper one of the last, and as many more as a vector
+    /// has lanes.
+    pub fn lines(&self) -> &[f64] {
+        &self.lines
     }
 
     /// The mean of each power of the coordinate in stratum `i`.
-    pub fn powers(&self, i: u64) -> &[f64; D] {
-        &self.powers[i as usize]
+    pub fn powers(&self, i: usize) -> [f64; D] {
+        self.powers[i / LANES].map(|means| means[i % LANES])
+    }
+
+    /// The same in the strata from `first` on, a multiple of as many: zero beyond the last.
+    pub fn powers_from(&self, first: usize) -> &[[f64; LANES]; D] {
+        &self.powers[first / LANES]
     }
 }
 
@@ -78,30 +88,55 @@ fn about<const D: usize>(x: f64) -> [[f64; D]; D] {
     terms
 }
 
-/// Σ over all strata of a grid of the variance of `f` within the stratum.
+/// Σ over all strata of a grid of a polynomial's variance within the stratum: a quadratic form
+/// of its coefficients.
 ///
 /// For one product of powers the mean square within a stratum is (m² + v)(m'² + v') and the
 /// squared mean m²m'², m and v of the two axes. Summed over the strata the difference is
 /// V (M' + V') + M V', without a term that cancels.
-pub(super) fn variance_within<const D: usize>(
-    f: &Polynomial<D>,
-    along_s: &Axis<D>,
-    along_t: &Axis<D>,
-) -> f64 {
-    let mut sum = 0.0;
-    for a in 0..D {
-        for c in 0..D {
+pub(super) struct VarianceWithin {
+    /// What each of the [`products`] counts.
+    weights: Vec<f64>,
+}
+
+impl VarianceWithin {
+    pub fn new<const D: usize>(along_s: &Axis<D>, along_t: &Axis<D>) -> Self {
+        let mut weights = Vec::new();
+        for_pairs::<D>(|[[a, b], [c, d]]| {
             let (means, within) = (along_s.means[a][c], along_s.within[a][c]);
-            for b in 0..D - a {
-                for d in 0..D - c {
-                    let (means_t, within_t) = (along_t.means[b][d], along_t.within[b][d]);
-                    let product = within * (means_t + within_t) + means * within_t;
-                    sum += f.0[a][b] * f.0[c][d] * product;
+            let (means_t, within_t) = (along_t.means[b][d], along_t.within[b][d]);
+            let twice = if [a, b] == [c, d] { 1.0 } else { 2.0 };
+            weights.push(twice * (within * (means_t + within_t) + means * within_t));
+        });
+        Self { weights }
+    }
+
+    /// For the polynomial of these [`products`].
+    pub fn of(&self, products: &[f64]) -> f64 {
+        self.weights.iter().zip(products).map(|(weight, product)| weight * product).sum()
+    }
+}
+
+/// The products of any two of a polynomial's coefficients but the constant one, which has no
+/// part in variances.
+pub(super) fn products<const D: usize>(f: &Polynomial<D>) -> Vec<f64> {
+    let n_powers = D * (D + 1) / 2 - 1;
+    let mut products = Vec::with_capacity(n_powers * (n_powers + 1) / 2);
+    for_pairs::<D>(|[[a, b], [c, d]]| products.push(f.0[a][b] * f.0[c][d]));
+    products
+}
+
+/// Calls `visit` with each two powers of s and t, different or the same, in one order of them.
+fn for_pairs<const D: usize>(mut visit: impl FnMut([[usize; 2]; 2])) {
+    for a in 0..D {
+        for b in usize::from(a == 0)..D - a {
+            for c in a..D {
+                for d in if c == a { b } else { 0 }..D - c {
+                    visit([[a, b], [c, d]]);
                 }
             }
         }
     }
-    sum
 }
 
 #[cfg(test)]
@@ -113,7 +148,8 @@ mod tests {
         for [k, l] in [[1, 1], [2, 2], [7, 3], [1, 64], [4096, 4096]] {
             let mut ramp = Polynomial::<3>::constant(5.0);
             (ramp.0[1][0], ramp.0[0][1]) = (0.3, -0.4);
-            let variance = variance_within(&ramp, &Axis::new(k), &Axis::new(l));
+            let form = VarianceWithin::new::<3>(&Axis::new(k), &Axis::new(l));
+            let variance = form.of(&products(&ramp));
             let (width, height) = (1.0 / k as f64, 1.0 / l as f64);
             let n = (k * l) as f64;
             let expected = n * ((0.3 * width).powi(2) + (0.4 * height).powi(2)) / 12.0;
@@ -141,7 +177,8 @@ mod tests {
                     values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64;
             }
         }
-        let variance = variance_within(&f, &Axis::new(3), &Axis::new(2));
+        let form = VarianceWithin::new::<5>(&Axis::new(3), &Axis::new(2));
+        let variance = form.of(&products(&f));
         assert!((variance / expected - 1.0).abs() < 1e-4, "{variance} {expected}");
     }
 }

@@ -1,6 +1,11 @@
+use super::polygon::Polygon;
+use super::polynomial::Polynomial;
+use super::strata::Axis;
+use super::walk::{Side, Walker};
 use super::{ExactCurve, TOLERANCE, Unresolved, curve};
 use crate::beam::PixelBeam;
 use crate::integrand::quadrature::gauss_legendre;
+use crate::sampler::strata_per_axis;
 use crate::scene::{self, Channel, Light, Material, Mesh, library::SCENES};
 use crate::study::{Control, ExactStudy, Method, SamplerChoice, StudyPlan, study};
 use crate::trace::{TracedScene, Tracer};
@@ -115,16 +120,168 @@ fn an_axis_aligned_step_at_every_n() {
     }
 }
 
-/// Half a pixel: k strata on the diagonal, each half and half.
+/// Half a pixel: k strata on the diagonal, each half and half. At k = 300 in several bands.
 #[test]
 fn a_diagonal_at_every_n() {
-    let half = [[-2.0, -2.0], [2.0, 2.0], [-2.0, 2.0]];
-    let found = Stage::new().polygon(3.0, 4.0, &half).curve(&squares(40)).unwrap();
-    assert_near(found.mean, 1.5, 1e-14);
-    for (k, variance) in (1..=40u32).zip(&found.jittered) {
-        let k = f64::from(k);
-        assert_near(*variance, 9.0 * 0.25 * k / k.powi(4), 1e-13);
+    let counts = [squares(40), vec![300 * 300]].concat();
+    for halves in
+        [[[-2.0, -2.0], [2.0, 2.0], [-2.0, 2.0]], [[-2.0, -2.0], [2.0, -2.0], [-2.0, 2.0]]]
+    {
+        let found = Stage::new().polygon(3.0, 4.0, &halves).curve(&counts).unwrap();
+        assert_near(found.mean, 1.5, 1e-14);
+        for (n, variance) in counts.iter().zip(&found.jittered) {
+            let k = n.isqrt() as f64;
+            let expected = 9.0 * 0.25 * k / k.powi(4);
+            // What stratification removes, a factor of about k, is rounded too.
+            assert_near(*variance, expected, 1e-14 * k * expected);
+        }
     }
+}
+
+/// The part of a polygon where x is at least `from` along an axis, or at most for sign -1.
+fn cut(outline: &[[f64; 2]], axis: usize, sign: f64, from: f64) -> Vec<[f64; 2]> {
+    let mut kept = Vec::new();
+    for (i, a) in outline.iter().enumerate() {
+        let b = outline[(i + 1) % outline.len()];
+        let [to_a, to_b] = [a, &b].map(|corner| sign * (corner[axis] - from));
+        if to_a >= 0.0 {
+            kept.push(*a);
+        }
+        if to_a * to_b < 0.0 {
+            let share = to_a / (to_a - to_b);
+            kept.push([0, 1].map(|j| a[j] + share * (b[j] - a[j])));
+        }
+    }
+    kept
+}
+
+fn area(outline: &[[f64; 2]]) -> f64 {
+    let shoelace = |(i, a): (usize, &[f64; 2])| {
+        let b = outline[(i + 1) % outline.len()];
+        a[0] * b[1] - b[0] * a[1]
+    };
+    0.5 * outline.iter().enumerate().map(shoelace).sum::<f64>()
+}
+
+/// Triangles of all slopes over grids of all shapes, some in several bands of rows: v(1 - v) in
+/// each stratum, v by cutting the triangle at its four sides.
+#[test]
+fn slanted_triangles_over_every_grid() {
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(7);
+    let counts = [2, 3, 12, 15, 49, 210, 16_900, 22_500, 24_180];
+    for _ in 0..12 {
+        let mut outline =
+            [[0.0; 2]; 3].map(|corner| corner.map(|_: f64| rng.random_range(-0.8..0.8)));
+        if area(&outline) < 0.0 {
+            outline.reverse();
+        }
+        let found = Stage::new().polygon(1.0, 4.0, &outline).curve(&counts).unwrap();
+        for (n, variance) in counts.iter().zip(&found.jittered) {
+            let [columns, rows] = strata_per_axis(*n, 2)[..] else { unreachable!("two axes") };
+            let mut sum = 0.0;
+            for row in 0..rows {
+                let t = |row: u64| row as f64 / rows as f64 - 0.5;
+                let in_row = cut(&cut(&outline, 1, 1.0, t(row)), 1, -1.0, t(row + 1));
+                for column in 0..columns {
+                    let s = |column: u64| column as f64 / columns as f64 - 0.5;
+                    let part = cut(&cut(&in_row, 0, 1.0, s(column)), 0, -1.0, s(column + 1));
+                    let share = *n as f64 * area(&part);
+                    sum += share * (1.0 - share);
+                }
+            }
+            let expected = sum / (n * n) as f64;
+            // Corners known to 2e-16 move the share of each stratum on a side by k times that;
+            // some 2k are on each unit of sides, which are 6 at most. What is removed, N times
+            // the area, is rounded besides.
+            let slack = 5e-15 + 1e-14 * found.mean;
+            assert_near(*variance, expected, slack / *n as f64);
+        }
+    }
+}
+
+/// Integral of f over a polygon, exact for polynomials of degree 10: triangles about its first
+/// corner, as squares that collapse to it.
+fn integral(outline: &[[f64; 2]], f: impl Fn(f64, f64) -> f64) -> f64 {
+    let rule = gauss_legendre(6);
+    let Some(a) = outline.first() else { return 0.0 };
+    let mut sum = 0.0;
+    for pair in outline[1..].windows(2) {
+        let [b, c] = [pair[0], pair[1]].map(|corner| [0, 1].map(|i| corner[i] - a[i]));
+        let size = b[0] * c[1] - b[1] * c[0];
+        for (x, weight) in &rule {
+            for (y, share) in &rule {
+                let at = |i: usize| a[i] + x * (b[i] + y * (c[i] - b[i]));
+                sum += size * x * weight * share * f(at(0), at(1));
+            }
+        }
+    }
+    sum
+}
+
+/// Σ η (η + 2ρ) of polynomials over polygons, by walking along sides, against integrals over
+/// each polygon cut by each stratum: sides of all slopes, on lines of the grid, and so short or
+/// so near to a line that rounding puts their ends on either side of it.
+#[test]
+fn walked_sums_are_those_of_clipped_polygons() {
+    fn check<const D: usize>(rng: &mut Xoshiro256PlusPlus) {
+        let mut random = || {
+            Polynomial::<D>(std::array::from_fn(|a| {
+                let row: [f64; D] = std::array::from_fn(|_| rng.random_range(-1.0..1.0));
+                std::array::from_fn(|b| if a + b < D { row[b] } else { 0.0 })
+            }))
+        };
+        let base = random();
+        let outlines: [&[[f64; 2]]; 7] = [
+            &[[-0.43, -0.31], [0.37, -0.48], [0.12, 0.46]],
+            &[[-0.5, -0.5], [0.1, -0.5], [-0.2, 0.5], [-0.5, 0.5]],
+            &[[0.0, -0.25], [0.5, -0.25], [0.5, 0.25], [0.25, 0.5], [0.0, 0.25]],
+            &[[-0.5, 0.5], [-0.5, -0.5], [0.5, 0.5]],
+            &[[-1e-16, -0.5], [0.3, -0.1], [0.0, 0.3]],
+            &[[-3e-17, -0.5], [0.2, -0.2], [-2e-17, 0.3]],
+            &[[0.1, 0.2], [0.1 + 1e-9, 0.2], [0.1, 0.2 + 1e-9]],
+        ];
+        let changes = outlines.map(|_| random());
+        let sides: Vec<_> = outlines
+            .iter()
+            .zip(&changes)
+            .flat_map(|(outline, change)| {
+                Side::of(&Polygon::of(outline), change).collect::<Vec<_>>()
+            })
+            .collect();
+        for [k, l] in [[1, 1], [3, 2], [16, 16], [5, 40], [130, 129]] {
+            let axes = [Axis::<D>::new(k), Axis::new(l)];
+            let mut walker = Walker::new([k, l]);
+            let found = walker.squared_means(&sides, &base, [&axes[0], &axes[1]]);
+            let n = (k * l) as f64;
+            let (mut expected, mut terms) = (0.0, 0.0);
+            for row in 0..l {
+                let t = |row: usize| row as f64 / l as f64 - 0.5;
+                let in_row =
+                    |outline: &[[f64; 2]]| cut(&cut(outline, 1, 1.0, t(row)), 1, -1.0, t(row + 1));
+                let in_row = outlines.map(in_row);
+                for column in 0..k {
+                    let s = |column: usize| column as f64 / k as f64 - 0.5;
+                    let square = [[s(column), t(row)], [s(column + 1), t(row)]];
+                    let [b, a] = [[s(column + 1), t(row + 1)], [s(column), t(row + 1)]];
+                    let rho = n * integral(&[square[0], square[1], b, a], |s, t| base.at(s, t));
+                    let mut eta = 0.0;
+                    for (outline, change) in in_row.iter().zip(&changes) {
+                        let part = cut(outline, 0, 1.0, s(column));
+                        let part = cut(&part, 0, -1.0, s(column + 1));
+                        eta += n * integral(&part, |s, t| change.at(s, t));
+                    }
+                    expected += eta * (eta + 2.0 * rho);
+                    terms += eta.abs() * (eta.abs() + 2.0 * rho.abs());
+                }
+            }
+            assert_near(found, expected, 1e-13 * terms);
+        }
+    }
+    let mut rng = Xoshiro256PlusPlus::seed_from_u64(3);
+    check::<1>(&mut rng);
+    check::<3>(&mut rng);
+    check::<5>(&mut rng);
+    check::<9>(&mut rng);
 }
 
 /// Many triangles of one value around a point are one polygon of that value.
@@ -148,26 +305,7 @@ fn a_fan_is_a_disk() {
     // cutting the fan's outline at both axes.
     let quarters = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(|[x, y]| {
         let outline: Vec<[f64; 2]> = (0..n).map(|i| [rim(i)[0], rim(i)[1]]).collect();
-        let cut = |outline: &[[f64; 2]], axis: usize, sign: f64| {
-            let mut kept = Vec::new();
-            for (i, a) in outline.iter().enumerate() {
-                let b = outline[(i + 1) % outline.len()];
-                if sign * a[axis] >= 0.0 {
-                    kept.push(*a);
-                }
-                if a[axis] * b[axis] < 0.0 {
-                    let share = a[axis] / (a[axis] - b[axis]);
-                    kept.push([0, 1].map(|j| a[j] + share * (b[j] - a[j])));
-                }
-            }
-            kept
-        };
-        let part = cut(&cut(&outline, 0, x), 1, y);
-        let shoelace: f64 = (0..part.len())
-            .map(|i| (part[i], part[(i + 1) % part.len()]))
-            .map(|(a, b)| a[0] * b[1] - b[0] * a[1])
-            .sum();
-        2.0 * shoelace
+        4.0 * self::area(&cut(&cut(&outline, 0, x, 0.0), 1, y, 0.0))
     });
     let expected = quarters.iter().map(|v| v * (1.0 - v)).sum::<f64>() / 16.0;
     assert_near(found.jittered[1], expected, 1e-13);

@@ -39,6 +39,7 @@ pub(super) struct Patch {
 }
 
 /// A pixel, resolved: `labels[base]` everywhere, then the patches in any order, for they add up.
+#[derive(Default)]
 pub(super) struct Regions {
     pub labels: Vec<Seen>,
     pub base: usize,
@@ -60,16 +61,31 @@ struct Outline {
     inverse_depth: [f64; 2],
 }
 
-pub(super) fn resolve(beam: &PixelBeam) -> Result<Regions, Unresolved> {
-    let mut outlines: Vec<_> = (0..beam.facets().len()).filter_map(|i| outline(beam, i)).collect();
+/// Room for lists, kept from pixel to pixel.
+#[derive(Default)]
+pub(super) struct Room {
+    work: Work,
+    regions: Regions,
+}
+
+pub(super) fn resolve<'a>(
+    beam: &PixelBeam,
+    Room { work, regions }: &'a mut Room,
+) -> Result<&'a Regions, Unresolved> {
+    let mut outlines = Vec::with_capacity(beam.facets().len());
+    outlines.extend((0..beam.facets().len()).filter_map(|i| outline(beam, i)));
     // Nearer ones first: what is hidden is soon hidden altogether.
-    outlines.sort_by(|a, b| b.inverse_depth[1].total_cmp(&a.inverse_depth[1]));
+    outlines.sort_unstable_by(|a, b| {
+        b.inverse_depth[1].total_cmp(&a.inverse_depth[1]).then(a.index.cmp(&b.index))
+    });
     let background = Seen { label: Label::Background, area: 1.0, bounds: [[-0.5, 0.5]; 2] };
-    let mut regions = Regions { labels: vec![background], base: 0, patches: Vec::new() };
-    let mut work = Work::default();
+    regions.labels.clear();
+    regions.labels.push(background);
+    regions.patches.clear();
+    regions.base = 0;
     for outline in &outlines {
-        carve(beam, outline, &outlines, &mut work)?;
-        regions.paint(beam, outline, &mut work)?;
+        carve(beam, outline, &outlines, work)?;
+        regions.paint(beam, outline, work)?;
     }
     let seen: f64 = regions.labels[1..].iter().map(|seen| seen.area).sum();
     regions.labels[0].area = (1.0 - seen).max(0.0);
@@ -116,10 +132,13 @@ struct Work {
 impl Work {
     /// Takes a region out of all parts; tells whether it took anything.
     fn take(&mut self, region: &[Affine]) -> Result<bool, Unresolved> {
+        if self.parts.iter().all(|part| part.misses(region)) {
+            return Ok(false);
+        }
         let before = self.taken.len();
         self.next.clear();
         for part in &self.parts {
-            self.taken.extend(part.subtract(region, &mut self.next));
+            part.subtract(region, &mut self.next, &mut self.taken);
         }
         std::mem::swap(&mut self.parts, &mut self.next);
         if self.parts.len() + self.taken.len() > MAX_PATCHES
