@@ -109,12 +109,20 @@ fn squared_step(variance: f64, rarer: u64, trials: u64) -> f64 {
 /// trials may show two of many possible values, so the rule is not used there; nor below five
 /// trials, for any two numbers are two values.
 pub fn pooled_noise(rows: &[(u64, Moments)]) -> Vec<Noise> {
+    if rows.iter().all(|(_, moments)| is_noiseless(moments)) {
+        return vec![Noise::None; rows.len()];
+    }
     let kurtosis = pooled_kurtosis(rows);
     rows.iter().zip(kurtosis).map(|((n, moments), kurtosis)| noise(*n, moments, kurtosis)).collect()
 }
 
+/// Zero, or computed and not sampled.
+fn is_noiseless(moments: &Moments) -> bool {
+    moments.variance == 0.0 || moments.count == 0
+}
+
 fn noise(n: u64, moments: &Moments, kurtosis: f64) -> Noise {
-    if moments.variance == 0.0 || moments.count == 0 {
+    if is_noiseless(moments) {
         return Noise::None;
     }
     if n == 1
