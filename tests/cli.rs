@@ -239,9 +239,13 @@ fn an_exact_study_says_how_each_sampler_was_obtained() {
     let text = stratcli(&["pixel", &quad, "--at", "4,3", "--exact"]).stdout;
     assert!(text.contains("no random numbers") && !text.contains("95 %"), "{text}");
     assert!(text.contains("(from the visible polygons)"), "{text}");
+    let measured = ["pixel", &quad, "--at", "4,3", "--exact", "--samplers", "halton"];
+    let text = stratcli(&[&measured[..], &["--trials", "3"]].concat()).stdout;
+    assert!(text.contains("(from the visible polygons)") && text.contains("M = 3"), "{text}");
     let by_rays = ["pixel", &quad, "--at", "4,3", "--exact", "--tracer", "bvh", "--trials", "3"];
     let text = stratcli(&by_rays).stdout;
     assert!(text.contains("by trials: the pixel is traced by rays"), "{text}");
+    assert!(text.contains("without --tracer bvh, `stratcli inspect` with --at says why"), "{text}");
 }
 
 #[test]

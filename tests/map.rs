@@ -310,7 +310,8 @@ fn an_exact_map_has_no_scatter() {
     let more = ["--exact", "--samplers", "random,jittered", "--json"];
     let found: Value = serde_json::from_str(&folder.done(&map("out.exr", &more))).unwrap();
     let random = &found["samplers"][0];
-    assert!(random["computed"].as_u64().unwrap() > 137 * 105 / 2, "{random}");
+    assert_eq!(random["computed"], 137 * 105);
+    assert!(random["first_measured"].is_null(), "{random}");
     let table = fs::read_to_string(folder.path("out.fits.csv")).unwrap();
     let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
     let computed = |row: &&Vec<&str>| row[4] == "random" && row[21].contains("computed");
@@ -320,6 +321,49 @@ fn an_exact_map_has_no_scatter() {
         let p: f64 = row[10].parse().unwrap();
         assert!((p - 1.0).abs() < 1e-9, "{row:?}");
     }
+}
+
+/// And it names the first pixel that could not be computed, as `pixel` and the table know it.
+#[test]
+fn an_exact_map_says_where_it_had_to_measure() {
+    let folder = Folder::new();
+    let region = ["--region", "20,79,24,82", "--counts", "1,4", "--trials", "5"];
+    let map = [&["map", "classic", "--exact", "-o", "out.exr"][..], &region].concat();
+    let text = folder.done(&map);
+    assert!(text.contains("M = 5 trials") && text.contains("of 12 pixels"), "{text}");
+    let table = fs::read_to_string(folder.path("out.fits.csv")).unwrap();
+    let row = table.lines().skip(1).find(|row| !row.contains("computed")).unwrap();
+    let at = row.split(',').skip(1).take(2).collect::<Vec<_>>().join(",");
+    assert!(text.contains(&format!("--at {at} --exact and this map's counts")), "{at}: {text}");
+    let pixel = ["pixel", "classic", "--at", &at, "--exact", "--counts", "1,4", "--trials", "5"];
+    let pixel = folder.done(&pixel);
+    assert!(pixel.contains("jittered (scramble: none), by trials: "), "{pixel}");
+}
+
+/// Missing pixels were tried; other samplers and pixels by rays are never computed.
+#[test]
+fn an_exact_map_speaks_of_trials_where_there_were_some() {
+    let folder = Folder::new();
+    let scene = "[camera]\neye = [0.0, 0.0, 4.0]\nlook_at = [0.0, 0.0, 0.0]\nup = [0.0, 1.0, 0.0]\n\
+                 fov_y = 40.0\nresolution = [4, 4]\n[[mesh]]\npath = \"bright.obj\"\n";
+    let triangle = "mtllib bright.mtl\nv -1.1 -1 0\nv 1.2 -1 0\nv 0 1.3 0\nusemtl b\nf 1 2 3\n";
+    let material = "newmtl b\nKe 1e308 1e308 1e308\n";
+    for (name, text) in [("bright.toml", scene), ("bright.obj", triangle), ("bright.mtl", material)]
+    {
+        fs::write(folder.path(name), text).unwrap();
+    }
+    let map = |scene: &str, more: &[&str]| {
+        let typed = ["map", scene, "--exact", "--counts", "1,4", "--trials", "3", "-o", "out.exr"];
+        folder.done(&[&typed[..], more].concat())
+    };
+    let text = map("bright.toml", &[]);
+    assert!(text.contains("M = 3 trials") && text.contains("pixels are missing"), "{text}");
+    let few = ["--region", "70,60,72,61", "--samplers", "jittered,halton"];
+    let text = map("classic", &few);
+    assert!(text.contains("M = 3 trials") && text.contains("halton+owen: 0 of 2 pixels"), "{text}");
+    assert!(text.contains("; only random and jittered without a scramble are"), "{text}");
+    let text = map("classic", &[&few[..2], &["--tracer", "bvh"]].concat());
+    assert!(text.contains("jittered: 0 of 2 pixels computed without trials; `stratcli"), "{text}");
 }
 
 /// Waits until a run has written something to its file of tiles.

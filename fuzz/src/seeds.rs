@@ -42,7 +42,9 @@ fn map() -> (Vec<u8>, Vec<u8>, Vec<u8>) {
     }
 
     let mut tally = Tally::new(&header.plan);
-    read_tile(&header.plan, &moments).iter().for_each(|pixel| tally.add(pixel));
+    for (at, pixel) in region.pixels().zip(read_tile(&header.plan, &moments)) {
+        tally.add(at, &pixel);
+    }
     let mut summary = serde_json::to_value(&header).expect("JSON");
     let numbers = serde_json::to_value(tally.summary()).expect("JSON");
     if let (Some(all), serde_json::Value::Object(more)) = (summary.as_object_mut(), numbers) {

@@ -86,8 +86,8 @@ fn read(paths: &[PathBuf]) {
             Ok(moments) => moments,
             Err(error) => return says_one_line(&error.to_string()),
         };
-        for pixel in read_tile(plan, &moments) {
-            tally.add(&pixel);
+        for (at, pixel) in plan.tiling().tile(tile).pixels().zip(read_tile(plan, &moments)) {
+            tally.add(at, &pixel);
         }
     }
     serde_json::to_string(&tally.summary()).expect("a summary can be written");

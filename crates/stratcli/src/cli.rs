@@ -163,7 +163,8 @@ pub struct PixelArgs {
     #[arg(long, value_enum, default_value_t = TracerChoice::Beam)]
     pub tracer: TracerChoice,
     /// Compute random and jittered exactly, without trials, where the pixel's visible polygons
-    /// can be resolved; other samplers and pixels are measured, and the reason is said
+    /// can be resolved; other samplers and pixels are measured by --trials, and the reason is
+    /// said. What is computed has no --timing
     #[arg(long, conflicts_with = "until")]
     pub exact: bool,
     #[command(flatten)]
@@ -172,7 +173,8 @@ pub struct PixelArgs {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum TracerChoice {
-    /// Against the pixel's own list of triangles; by rays where the scene is shaded smoothly
+    /// Against the pixel's own list of triangles; by rays where the scene is shaded smoothly or has
+    /// a lens, a shutter, mirrors, glass or bounces, and right beside a point light
     Beam,
     /// One ray through the BVH per sample: slower, for comparison
     Bvh,

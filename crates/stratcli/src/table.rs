@@ -5,6 +5,7 @@ use crate::report::spectrum::{SamplerSpectrum, Spectra};
 use std::fmt::Write;
 use stratcore::StudyResult;
 use stratcore::dimensions::Bound;
+use stratcore::exact::Unresolved;
 use stratcore::fit::Fit;
 use stratcore::study::{Discrepancies, Method, Row, SamplerResult, Stop, StopReason, Tightness};
 use stratcore::theory::{Basis, Class};
@@ -76,7 +77,9 @@ pub fn study(title: &str, result: &StudyResult) -> String {
         let _ = writeln!(text, "M = {} trials, seed {}", result.trials, result.seed);
     }
     if let Some(reference) = result.reference {
-        let by_polygons = result.samplers.iter().any(|sampler| sampler.method == Method::Exact);
+        let by_polygons = result.samplers.iter().any(|sampler| {
+            sampler.method == Method::Exact || sampler.unresolved == Some(Unresolved::Sampler)
+        });
         let source = if by_polygons { "from the visible polygons" } else { "closed form" };
         let _ = match reference.std_error {
             0.0 => writeln!(text, "reference mean {} ({source})", reference.mean),
@@ -87,6 +90,12 @@ pub fn study(title: &str, result: &StudyResult) -> String {
         let _ = write!(text, "\n{} (scramble: {})", sampler.name, sampler.scramble);
         text += match (sampler.method, &sampler.unresolved) {
             (Method::Exact, _) => ", exact\n".to_owned(),
+            (Method::Trials, Some(reason @ Unresolved::Rays)) => {
+                format!(
+                    ", by trials: {reason}; without --tracer bvh, `stratcli inspect` with --at \
+                     says why\n"
+                )
+            }
             (Method::Trials, Some(reason)) => format!(", by trials: {reason}\n"),
             (Method::Trials, None) => "\n".to_owned(),
         }
@@ -277,7 +286,9 @@ fn reading(sampler: &SamplerResult) -> String {
     if let Some(p) = sampler.predicted {
         let sign = if sampler.predicted_bound == Some(Bound::AtLeast) { ">=" } else { "=" };
         let [when, whence] = match sampler.predicted_from {
-            Some(Basis::Axes) => [" for large N", "; from the pixel's axes, not from these trials"],
+            Some(Basis::Axes) => {
+                [" for large N", "; from the pixel's axes, not from the variances"]
+            }
             _ => ["", ""],
         };
         let source = sampler.predicted_source.unwrap_or_default();

@@ -35,7 +35,7 @@ pub struct MapArgs {
     #[arg(long, value_enum, default_value_t = TracerChoice::Beam)]
     pub tracer: TracerChoice,
     /// Compute random and jittered exactly, without trials, where a pixel's visible polygons can
-    /// be resolved; measure the rest
+    /// be resolved; measure the rest by --trials
     #[arg(long)]
     pub exact: bool,
     #[command(flatten)]

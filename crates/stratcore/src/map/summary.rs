@@ -48,6 +48,9 @@ pub struct SamplerSummary {
     pub partly_exact: u64,
     /// Pixels whose variances were computed without trials.
     pub computed: u64,
+    /// The first pixel, tile by tile, that was measured by trials; missing ones apart.
+    #[serde(default)]
+    pub first_measured: Option<[u32; 2]>,
     /// Pixels with too few variances above zero for a fit, though not all are zero.
     pub unfitted: u64,
     /// Mean of p over the fits; none without fits.
@@ -109,6 +112,7 @@ struct Exponents {
     partly_exact: u64,
     unfitted: u64,
     computed: u64,
+    first_measured: Option<[u32; 2]>,
     /// Sums of p - 1 and of its square.
     sums: [f64; 2],
     histogram: Histogram,
@@ -153,6 +157,7 @@ impl Tally {
             partly_exact: 0,
             unfitted: 0,
             computed: 0,
+            first_measured: None,
             sums: [0.0; 2],
             histogram: Histogram::new(0.0, 0.02, 200),
         };
@@ -166,8 +171,8 @@ impl Tally {
         }
     }
 
-    /// Counts a pixel: one reading per sampler.
-    pub fn add(&mut self, pixel: &[PixelReading]) {
+    /// Counts the pixel at (x, y): one reading per sampler.
+    pub fn add(&mut self, at: [u32; 2], pixel: &[PixelReading]) {
         self.pixels += 1;
         if pixel.iter().any(PixelReading::is_missing) {
             self.missing += 1;
@@ -181,7 +186,7 @@ impl Tally {
             self.classes[class][1] += u64::from(judged.is_some_and(|r| r.class_is_sure));
         }
         for (tally, pixel) in self.samplers.iter_mut().zip(pixel) {
-            tally.add(pixel);
+            tally.add(at, pixel);
         }
         for pair in &mut self.pairs {
             for (row, (_, at)) in pair.rows.iter().enumerate() {
@@ -234,8 +239,12 @@ impl Tally {
 }
 
 impl Exponents {
-    fn add(&mut self, pixel: &PixelReading) {
-        self.computed += u64::from(pixel.is_computed());
+    fn add(&mut self, at: [u32; 2], pixel: &PixelReading) {
+        if pixel.is_computed() {
+            self.computed += 1;
+        } else {
+            self.first_measured.get_or_insert(at);
+        }
         let Some(fit) = &pixel.reading.fit else {
             *(if pixel.reading.exact { &mut self.exact } else { &mut self.unfitted }) += 1;
             return;
@@ -259,6 +268,7 @@ impl Exponents {
             partly_exact: self.partly_exact,
             unfitted: self.unfitted,
             computed: self.computed,
+            first_measured: self.first_measured,
             mean: (self.fitted > 0).then(|| 1.0 + sum / n),
             std_deviation: (self.fitted > 1).then(|| variance.max(0.0).sqrt()),
             quartiles: quartiles(&self.histogram),

@@ -68,7 +68,7 @@ pub fn run(job: &Job, common: &Common) -> Result<Outcome> {
     if common.json {
         output::print_json(estimate)?;
     } else {
-        output::print(&text(&estimate))?;
+        output::print(&text(&estimate, job.plan.exact))?;
     }
     Ok(Outcome::Done)
 }
@@ -147,7 +147,7 @@ fn disk(job: &Job, pixels: u64) -> u64 {
     pixels.saturating_mul(tiles + results)
 }
 
-fn text(estimate: &Estimate) -> String {
+fn text(estimate: &Estimate, exact: bool) -> String {
     let Estimate { pixels, tiles, samples, threads, seconds, std_error, .. } = estimate;
     let bytes = |bytes: u64| match bytes {
         ..1_000_000_000 => format!("{} MB", number(bytes as f64 * 1e-6, 3)),
@@ -155,7 +155,8 @@ fn text(estimate: &Estimate) -> String {
     };
     let rows = [
         ("pixels", format!("{pixels} in {tiles} tiles")),
-        ("samples", number(*samples as f64, 4)),
+        // Which pixels need trials is known when they have been tried.
+        ("samples", if exact { "up to " } else { "" }.to_owned() + &number(*samples as f64, 4)),
         (
             "time",
             format!(

@@ -197,7 +197,7 @@ fn write_picture(set: &TileSet, header: &Header, output: &Output, points: bool) 
                 table.out.write_all(rows.as_bytes())?;
             }
             for (pixel, reading) in piece.region.pixels().zip(&piece.readings) {
-                tally.add(reading);
+                tally.add(pixel, reading);
                 overview.add(plan, pixel, reading);
             }
             Ok(())

@@ -1,6 +1,7 @@
 //! A map at a glance: a picture of bounded size, whatever the size of the map.
 
 use super::csv::best_mean;
+use super::text;
 use crate::picture::srgb_byte;
 use crate::report::panels::{self, Key, Panel, class_colour, exponent_colour, sampler_colour};
 use crate::report::raster::Raster;
@@ -95,8 +96,10 @@ impl Overview {
             stride => format!(", one pixel in {stride} × {stride} shown"),
         };
         let subtitle = format!(
-            "{width} × {height} pixels from {},{}{shown}; M = {} trials, seed {}",
-            plan.region.x0, plan.region.y0, plan.trials, plan.seed
+            "{width} × {height} pixels from {},{}{shown}; {}",
+            plan.region.x0,
+            plan.region.y0,
+            text::trials(plan, Some(summary))
         );
         panels::draw(&title, &subtitle, all)
     }

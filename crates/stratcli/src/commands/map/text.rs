@@ -3,34 +3,66 @@
 use super::finish::Found;
 use crate::table::{Align, columns, number};
 use std::fmt::Write;
-use stratcore::map::{Comparison, Summary};
+use stratcore::map::{Comparison, Identity, SamplerIdentity, SamplerSummary, Summary};
+use stratcore::sampler::Scramble;
 
 /// What was written, the shares of the classes, p under each sampler, and samplers compared.
 pub fn report(found: &Found) -> String {
     let plan = &found.header.plan;
     let [width, height] = plan.region.size();
     let mut text = format!(
-        "{}, {width} × {height} pixels from {},{}\nd = {}, M = {} trials, seed {}, plan {}\n",
+        "{}, {width} × {height} pixels from {},{}\nd = {}, {}, plan {}\n",
         plan.scene,
         plan.region.x0,
         plan.region.y0,
         plan.dim,
-        plan.trials,
-        plan.seed,
+        trials(plan, found.summary.as_ref()),
         found.header.hash
     );
     if let Some(summary) = &found.summary {
         text += &numbers(summary);
         if plan.exact {
-            let computed = summary.samplers.iter().map(|s| format!("{} {}", s.sampler, s.computed));
-            let computed = computed.collect::<Vec<_>>().join(", ");
-            let _ = writeln!(text, "pixels computed without trials: {computed}");
+            let pixels = summary.pixels - summary.missing;
+            for (sampler, found) in plan.samplers.iter().zip(&summary.samplers) {
+                text += &computed(sampler, found, pixels);
+            }
         }
     }
     for file in &found.files {
         let _ = writeln!(text, "{}", file.display()); // cannot fail
     }
     text
+}
+
+/// M and the seed, unless everything was computed.
+pub fn trials(plan: &Identity, summary: Option<&Summary>) -> String {
+    let is_computed = |summary: &Summary| {
+        summary.missing == 0 && summary.samplers.iter().all(|s| s.computed == summary.pixels)
+    };
+    if plan.exact && summary.is_some_and(is_computed) {
+        "no random numbers".to_owned()
+    } else {
+        format!("M = {} trials, seed {}", plan.trials, plan.seed)
+    }
+}
+
+/// How many pixels an exact map has without trials, and where to ask why others have them.
+fn computed(sampler: &SamplerIdentity, found: &SamplerSummary, pixels: u64) -> String {
+    let is_plain = ["random", "jittered"].contains(&&*sampler.name);
+    let why = match found.first_measured {
+        None => String::new(),
+        Some(_) if !is_plain || sampler.scramble != Scramble::None => {
+            "; only random and jittered without a scramble are".to_owned()
+        }
+        Some([x, y]) => format!(
+            "; `stratcli pixel` with --at {x},{y} --exact and this map's counts, channel and \
+             tracer says why not all"
+        ),
+    };
+    format!(
+        "{}: {} of {pixels} pixels computed without trials{why}\n",
+        found.sampler, found.computed
+    )
 }
 
 fn numbers(summary: &Summary) -> String {
