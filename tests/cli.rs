@@ -239,6 +239,8 @@ fn an_exact_study_says_how_each_sampler_was_obtained() {
     let text = stratcli(&["pixel", &quad, "--at", "4,3", "--exact"]).stdout;
     assert!(text.contains("no random numbers") && !text.contains("95 %"), "{text}");
     assert!(text.contains("(from the visible polygons)"), "{text}");
+    let even = stratcli(&["pixel", &quad, "--at", "0,0", "--exact"]).stdout;
+    assert!(even.contains("zero variance at every N") && !even.contains("trial "), "{even}");
     let measured = ["pixel", &quad, "--at", "4,3", "--exact", "--samplers", "halton"];
     let text = stratcli(&[&measured[..], &["--trials", "3"]].concat()).stdout;
     assert!(text.contains("(from the visible polygons)") && text.contains("M = 3"), "{text}");

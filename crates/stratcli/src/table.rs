@@ -230,7 +230,9 @@ fn rows(rows: &[Row], method: Method) -> String {
 fn reading(sampler: &SamplerResult) -> String {
     let mut text = String::new();
     let zero: Vec<_> = sampler.rows.iter().filter(|row| row.variance_of_mean == 0.0).collect();
-    if sampler.exact {
+    if sampler.exact && sampler.method == Method::Exact {
+        text += "  zero variance at every N: the estimate is exact and has no exponent\n";
+    } else if sampler.exact {
         text += "  zero variance: every trial gave the same number at every N, so the estimate is \
                  exact and has no exponent\n";
     } else if !zero.is_empty() {

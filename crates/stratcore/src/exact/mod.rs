@@ -81,14 +81,15 @@ pub enum Unresolved {
         /// What was asked for.
         tolerance: f64,
     },
-    /// Grids with too many strata to sum.
+    /// Grids that have too many strata to sum, one of them or all together.
     #[error(
-        "N = {n} has too many strata; grids of up to {} strata an axis and {} in all are summed",
+        "up to N = {n} there are too many strata; grids of up to {} strata an axis, and of {} \
+         with all N together, are summed: give fewer N or smaller ones",
         Grids::MAX_PER_AXIS,
         Grids::MAX_STRATA
     )]
     TooManyStrata {
-        /// The count that was too much.
+        /// The count that was too much, after those before it.
         n: u64,
     },
     /// A pixel that is traced by rays: smooth shading, a point light right beside a surface, or

@@ -510,7 +510,11 @@ fn a_pixel_in_shadow_has_one_value() {
 fn grids_of_too_many_strata_are_refused() {
     for counts in [&[0][..], &[1 << 26], &[16_777_213], &[1 << 24, 1]] {
         let refused = super::Grids::new(counts).err();
-        assert!(matches!(refused, Some(Unresolved::TooManyStrata { .. })), "{counts:?}");
+        let Some(refused @ Unresolved::TooManyStrata { .. }) = refused else {
+            panic!("{counts:?}: {refused:?}")
+        };
+        let text = refused.to_string();
+        assert!(text.contains("16777216 with all N together"), "{text}");
     }
     assert!(super::Grids::new(&[4095, 12, 7]).is_ok());
 }
