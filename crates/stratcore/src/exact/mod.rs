@@ -247,9 +247,11 @@ impl<const D: usize> Tables<D> {
     }
 
     fn curve(&self, beam: &PixelBeam, regions: &Regions) -> ExactCurve {
-        /// Rounding of a sum, as a share of its terms: of any, and for each stratum along an
-        /// axis, where pieces of a side are differences of integrals along all of it.
-        const ROUNDING: [f64; 2] = [4e-15, 2e-17];
+        /// Rounding of a sum, as a share of its terms.
+        const ROUNDING: f64 = 4e-15;
+        /// And more for each stratum along an axis: pieces of a side are differences of
+        /// integrals along all of it.
+        const ROUNDING_OF_PIECES: f64 = 2e-17;
         /// What is nothing but rounding.
         const NOTHING: f64 = 1e-13;
         let fits: Vec<_> = regions
@@ -272,15 +274,14 @@ impl<const D: usize> Tables<D> {
         base.0[0][0] -= middle;
         let mut sides = Vec::new();
         let mut patches = 0;
-        for patch in &regions.patches {
-            let change = fits[patch.to].0.minus(&fits[patch.from].0);
-            if change != Polynomial::ZERO {
-                patches += 1;
-                sides.extend(Side::of(&patch.polygon, &change));
-            }
-        }
         let (mut change, mut squares, mut size) = (0.0, 0.0, 0.0f64);
         for patch in &regions.patches {
+            let step = fits[patch.to].0.minus(&fits[patch.from].0);
+            if step == Polynomial::ZERO {
+                continue;
+            }
+            patches += 1;
+            sides.extend(Side::of(&patch.polygon, &step));
             let mut to = fits[patch.to].0;
             let mut from = fits[patch.from].0;
             to.0[0][0] -= middle;
@@ -301,7 +302,7 @@ impl<const D: usize> Tables<D> {
         let mut within = |[k, l]: [usize; 2], form: &VarianceWithin, walked: f64| {
             let n = k as f64 * l as f64;
             let terms = n * size + walked.abs();
-            let rounding = ROUNDING[0] + ROUNDING[1] * k.max(l) as f64;
+            let rounding = ROUNDING + ROUNDING_OF_PIECES * k.max(l) as f64;
             let sum = form.of(&products) + (n * squares - walked);
             // Constants that fit the grid leave nothing.
             if D == 1 && sum <= NOTHING.max(2.0 * rounding) * terms {

@@ -15,7 +15,7 @@ use crate::beam::PixelBeam;
 use crate::integrand::Integrand;
 use crate::scene::{self, Channel, Light, Material, Mesh, Scene};
 use crate::study::{Control, StudyPlan, study};
-use crate::trace::TracedScene;
+use crate::trace::{PixelIntegrand, TracedScene};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
@@ -201,16 +201,14 @@ fn scores_of_two_pictures_are_standard_normal() {
 }
 
 /// The same of more pixels, of every scene that the beam traces:
-/// `cargo test -p stratcore --lib oracle -- --ignored --nocapture`.
+/// `cargo test -p stratcore --lib oracle -- --nocapture`.
 /// METHOD.md has its last result.
 #[test]
-#[ignore = "minutes of work"]
 fn scores_of_every_scene_are_standard_normal() {
     use std::io::Write;
     for info in scene::library::SCENES {
         let scene = traced(info.name);
-        let corner = PixelBeam::new(scene.scene(), scene.accel(), [0, 0], Channel::Luminance);
-        if corner.is_none() || !scene.scene().distribution.lights.is_empty() {
+        if !matches!(scene.pixel([0, 0], Channel::Luminance), PixelIntegrand::Beam(_)) {
             continue;
         }
         let verdict = scores(&scene, &scene, 40, 1000).judge();

@@ -22,15 +22,13 @@ pub struct WeightedRow {
 impl WeightedRow {
     /// A row whose s², above zero, scatters about the true variance as `noise` says.
     pub fn new(n: u64, variance: f64, noise: Noise) -> Self {
-        let ln_s2 = variance.ln();
-        let is_known = noise == Noise::None;
         Self {
             n,
             variance,
             var_ln: noise.var_ln(),
             ln_n: (n as f64).ln(),
-            ln_s2,
-            ln_variance: if is_known { ln_s2 } else { noise.ln_variance(variance) },
+            ln_s2: variance.ln(),
+            ln_variance: noise.ln_variance(variance),
         }
     }
 

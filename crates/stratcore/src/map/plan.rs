@@ -74,6 +74,11 @@ pub struct SamplerIdentity {
 }
 
 impl SamplerIdentity {
+    /// Whether it is the sampler of this name, without a scramble.
+    pub fn is_plain(&self, name: &str) -> bool {
+        self.name == name && self.scramble == Scramble::None
+    }
+
     /// The name, with the scramble after a plus sign where there is one: `sobol+owen-hash`.
     pub fn label(&self) -> String {
         match self.scramble {

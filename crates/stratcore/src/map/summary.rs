@@ -3,7 +3,6 @@
 use super::histogram::Histogram;
 use super::plan::Identity;
 use super::{PixelReading, SamplerIdentity};
-use crate::sampler::Scramble;
 use crate::theory::Class;
 use serde::{Deserialize, Serialize};
 
@@ -131,8 +130,7 @@ struct Pair {
 impl Tally {
     /// An empty one for maps of this plan.
     pub fn new(plan: &Identity) -> Self {
-        let is_plain = |s: &SamplerIdentity, name| s.name == name && s.scramble == Scramble::None;
-        let find = |name| plan.samplers.iter().position(|s| is_plain(s, name));
+        let find = |name| plan.samplers.iter().position(|s| s.is_plain(name));
         let baseline = find("random").unwrap_or(0);
         let pair = |sampler: usize| {
             let used = |i: usize| &plan.samplers[i].counts_used;

@@ -7,7 +7,6 @@ use crate::report::panels::{self, Key, Panel, class_colour, exponent_colour, sam
 use crate::report::raster::Raster;
 use crate::report::svg::Svg;
 use stratcore::map::{Identity, PixelReading, Summary};
-use stratcore::sampler::Scramble;
 
 /// Cells along the longer side at most: beyond it, one pixel in a square stands for all.
 const MOST: u32 = 1024;
@@ -32,15 +31,16 @@ impl Overview {
         let size = plan.region.size();
         let stride = size[0].max(size[1]).div_ceil(MOST);
         let blank = || Raster::filled(size.map(|side| side.div_ceil(stride)), [0; 3]);
-        let plain = |s: &stratcore::map::SamplerIdentity| {
-            s.name == "jittered" && s.scramble == Scramble::None
-        };
         Self {
             origin: [plan.region.x0, plan.region.y0],
             stride,
             mean: blank(),
             exponents: plan.samplers.iter().map(|_| blank()).collect(),
-            classes: plan.samplers.iter().position(plain).map(|at| (at, blank())),
+            classes: plan
+                .samplers
+                .iter()
+                .position(|s| s.is_plain("jittered"))
+                .map(|at| (at, blank())),
             best: (plan.samplers.len() > 1).then(blank),
         }
     }

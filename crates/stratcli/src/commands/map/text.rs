@@ -4,7 +4,6 @@ use super::finish::Found;
 use crate::table::{Align, columns, number};
 use std::fmt::Write;
 use stratcore::map::{Comparison, Identity, SamplerIdentity, SamplerSummary, Summary};
-use stratcore::sampler::Scramble;
 
 /// What was written, the shares of the classes, p under each sampler, and samplers compared.
 pub fn report(found: &Found) -> String {
@@ -48,10 +47,9 @@ pub fn trials(plan: &Identity, summary: Option<&Summary>) -> String {
 
 /// How many pixels an exact map has without trials, and where to ask why others have them.
 fn computed(sampler: &SamplerIdentity, found: &SamplerSummary, pixels: u64) -> String {
-    let is_plain = ["random", "jittered"].contains(&&*sampler.name);
     let why = match found.first_measured {
         None => String::new(),
-        Some(_) if !is_plain || sampler.scramble != Scramble::None => {
+        Some(_) if !["random", "jittered"].iter().any(|name| sampler.is_plain(name)) => {
             "; only random and jittered without a scramble are".to_owned()
         }
         Some([x, y]) => format!(
